@@ -1,5 +1,3 @@
-#include "calib/board/aprilgrid.h"
-
 #include <fmt/core.h>
 
 #include <Eigen/SVD>
@@ -129,8 +127,17 @@ class CornerSearch {
   double square_m_;  ///< side of the largest squares around a corner that have one colour
 };
 
-}  // namespace
-
+/// Returns the visible corners of kalibr's AprilGrid: tags 36h11, upright, numbered along the rows
+/// from the lower left one, with black squares between their corners. Both are empty if they do
+/// not determine a pose. Tags may have a border of two bits, as kalibr prints them, or of one.
+///
+/// The frame of the target has its origin at the upper left corner, x to the right, y down;
+/// kalibr's is at the lower left, y up.
+///
+/// From the tags that OpenCV decodes, other corners are predicted by LocalHomography. A corner is
+/// used if it is a saddle point with more than half the median contrast.
+///
+/// Throws usage_error for more tags than 36h11 has, or tags without space between them.
 TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTarget& target) {
   require_possible_tag_grid(target);
   for (const int border : border_bits) {
@@ -143,6 +150,8 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
   }
   return {};
 }
+
+}  // namespace
 
 const TargetKind aprilgrid_kind{
     .name = "aprilgrid",

@@ -1,5 +1,3 @@
-#include "calib/board/aruco_grid.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -53,8 +51,14 @@ std::optional<OtherTarget> recognize(const GreyImage& image) {
   return {};
 }
 
-}  // namespace
-
+/// Returns the corners of the visible markers of a grid (cv::aruco::GridBoard): of one dictionary,
+/// numbered along the rows from 0 at the upper left. Both are empty if they do not determine a
+/// pose.
+///
+/// Frame: origin at the upper left corner of marker 0, x to the right, y down.
+///
+/// Throws usage_error for an unknown dictionary, more markers than it has, or markers without space
+/// between them.
 TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationTarget& grid) {
   require_possible_tag_grid(grid);
   for (const auto& markers : decode(image, grid.markers->dictionary)) {
@@ -64,6 +68,8 @@ TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationT
   }
   return {};
 }
+
+}  // namespace
 
 const TargetKind aruco_grid_kind{
     .name = "aruco-grid",

@@ -16,13 +16,8 @@ constexpr int vector_lanes = 16;
 int padded(int columns) { return round_up(columns, vector_lanes); }
 
 /// Matrix on the device with rows padded to whole vectors.
-MatrixView upload_padded(Runtime& runtime, const std::vector<double>& values, int rows,
-                         int columns) {
-  const int ld = padded(columns);
-  std::vector<double> wide(std::size_t(rows) * ld, 0.0);
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j) wide[i * ld + j] = values[i * columns + j];
-  return {upload(runtime, wide), 0, ld};
+MatrixView upload_padded(Runtime& runtime, const std::vector<double>& values, int columns) {
+  return {upload(runtime, padded_rows(values, columns, padded(columns))), 0, padded(columns)};
 }
 
 MatrixView allocate(Runtime& runtime, int rows, int columns) {
@@ -30,9 +25,9 @@ MatrixView allocate(Runtime& runtime, int rows, int columns) {
 }
 
 Arrays forward(Runtime& runtime, const DenseShape& s, const Arrays& in) {
-  const auto x = upload_padded(runtime, in[0], s.rows, s.inputs);
-  const auto weight = upload_padded(runtime, in[1], s.outputs, s.inputs);
-  const auto bias = upload_padded(runtime, in[2], 1, s.outputs);
+  const auto x = upload_padded(runtime, in[0], s.inputs);
+  const auto weight = upload_padded(runtime, in[1], s.inputs);
+  const auto bias = upload_padded(runtime, in[2], s.outputs);
   const auto by_input = allocate(runtime, s.inputs, padded(s.outputs));
   const auto out = allocate(runtime, s.rows, s.outputs);
   pack(runtime, weight.transposed(), by_input, s.inputs, s.outputs, padded(s.outputs))
@@ -42,9 +37,9 @@ Arrays forward(Runtime& runtime, const DenseShape& s, const Arrays& in) {
 }
 
 Arrays backward(Runtime& runtime, const DenseShape& s, const Arrays& in, const Arrays& grads) {
-  const auto x = upload_padded(runtime, in[0], s.rows, s.inputs);
-  const auto weight = upload_padded(runtime, in[1], s.outputs, s.inputs);
-  const auto grad = upload_padded(runtime, grads[0], s.rows, s.outputs);
+  const auto x = upload_padded(runtime, in[0], s.inputs);
+  const auto weight = upload_padded(runtime, in[1], s.inputs);
+  const auto grad = upload_padded(runtime, grads[0], s.outputs);
   const auto grad_x = allocate(runtime, s.rows, s.inputs);
   const auto grad_weight = allocate(runtime, s.outputs, s.inputs);
   const auto grad_bias = allocate(runtime, 1, s.outputs);

@@ -85,12 +85,6 @@ double norm_error(const std::vector<double>& actual, std::vector<double> referen
   return off == 0 ? 0.0 : worse(0.0, off / norm);
 }
 
-std::vector<KernelVariant> supported_variants(const Operation& operation,
-                                              const DeviceInfo& device) {
-  if (!operation.has_gpu_variant || !supports_gpu_variant(device)) return {KernelVariant::cpu};
-  return {KernelVariant::cpu, KernelVariant::gpu};
-}
-
 Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double kink_margin) {
   RandomStream random(seed, "inputs of " + operation.shape);
   for (int trial = 0; trial < 100; ++trial) {

@@ -11,9 +11,6 @@ inline constexpr double output_error_bound = 8.0;         ///< unit: eps sqrt(n)
 inline constexpr double gradient_error_bound = 5e-5;      ///< relative, norm-wise
 inline constexpr double reference_gradient_bound = 1e-6;  ///< relative
 
-/// Kernel variants of an operation that the device supports.
-std::vector<KernelVariant> supported_variants(const Operation& operation, const DeviceInfo& device);
-
 /// Draws inputs of a case: prepared standard normal numbers, exact in float, farther than
 /// `kink_margin` from every kink. Throws failure if it finds none.
 Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double kink_margin = 0.0);

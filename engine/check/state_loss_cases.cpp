@@ -30,14 +30,6 @@ Buffer<float> upload_rows(Runtime& runtime, const std::vector<double>& values, i
   return upload(runtime, rows);
 }
 
-std::vector<double> download_rows(Runtime& runtime, const Buffer<float>& buffer, int state) {
-  std::vector<double> values;
-  const auto rows = download(runtime, buffer);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (i % state_lanes < std::size_t(state)) values.push_back(rows[i]);
-  return values;
-}
-
 StateLossArrays computed(Runtime& runtime, const Shape& s, const Arrays& in) {
   StateLossArrays a{.sequences = s.sequences,
                     .steps = s.steps,
@@ -56,8 +48,8 @@ StateLossArrays computed(Runtime& runtime, const Shape& s, const Arrays& in) {
 
 Arrays backward(Runtime& runtime, const Shape& s, const Arrays& in, const Arrays& grads) {
   const auto arrays = computed(runtime, s, in);
-  auto state = download_rows(runtime, arrays.grad_state, s.state);
-  auto spread = download_rows(runtime, arrays.grad_spread, s.state);
+  auto state = unpadded_rows(download(runtime, arrays.grad_state), s.state, state_lanes);
+  auto spread = unpadded_rows(download(runtime, arrays.grad_spread), s.state, state_lanes);
   for (std::size_t i = 0; i < state.size(); ++i) {
     state[i] *= grads[0][i / s.state];
     spread[i] *= grads[0][i / s.state];

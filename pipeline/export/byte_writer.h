@@ -1,5 +1,7 @@
 #pragma once
 
+#include <libdeflate.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,6 +23,8 @@ void append_numbers(std::string& bytes, Numbers... numbers) {
 }
 
 /// CRC-32 of zip, PNG and MCAP files (reflected polynomial 0xedb88320). `crc`: of the bytes before.
-std::uint32_t crc32(std::string_view bytes, std::uint32_t crc = 0);
+inline std::uint32_t crc32(std::string_view bytes, std::uint32_t crc = 0) {
+  return libdeflate_crc32(crc, bytes.data(), bytes.size());
+}
 
 }  // namespace touchtrace

@@ -9,7 +9,6 @@
 #include "engine/base/error.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/export/predictions.h"
-#include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -36,15 +35,18 @@ RosBodyState state_at(const LabelledBody& body, std::size_t i) {
           std::span<const double, 36>(&body.covariance[36 * i], 36)};
 }
 
-/// Labels that were measured, as in TUM trajectories.
-std::vector<std::size_t> measured_labels(const LabelledBody& body) {
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < body.quality.size(); ++i) {
-    const double* p = &body.position_m[3 * i];
-    if ((body.quality[i] & (quality_lost | quality_gap)) == 0 && std::isfinite(p[0] + p[1] + p[2]))
-      indices.push_back(i);
-  }
-  return indices;
+/// Streams of the positions and states of a body. `state`: that of a message, by its index.
+void append_states(Streams& streams, const std::string& topic, const std::string& body,
+                   const std::vector<double>& time_s,
+                   const std::function<RosBodyState(std::size_t)>& state) {
+  streams.push_back({topic + "/position", &point_stamped_type(), color_frame, time_s,
+                     [state](const RosHeader& header, std::size_t i) {
+                       return point_stamped(header, state(i).position_m);
+                     }});
+  streams.push_back({topic + "/odometry", &odometry_type(), color_frame, time_s,
+                     [state, body](const RosHeader& header, std::size_t i) {
+                       return odometry(header, body, state(i));
+                     }});
 }
 
 void append_body(Streams& streams, const std::string& name,
@@ -52,30 +54,16 @@ void append_body(Streams& streams, const std::string& name,
   const auto indices = measured_labels((*labels).*body);
   std::vector<double> time_s;
   for (const std::size_t i : indices) time_s.push_back(labels->time_s[i]);
-  streams.push_back({"/" + name + "/position", &point_stamped_type(), color_frame, time_s,
-                     [=](const RosHeader& header, std::size_t i) {
-                       return point_stamped(header,
-                                            vector_at(((*labels).*body).position_m, indices[i]));
-                     }});
-  streams.push_back({"/" + name + "/odometry", &odometry_type(), color_frame, time_s,
-                     [=](const RosHeader& header, std::size_t i) {
-                       return odometry(header, name, state_at((*labels).*body, indices[i]));
-                     }});
+  append_states(streams, "/" + name, name, time_s,
+                [=](std::size_t i) { return state_at((*labels).*body, indices[i]); });
 }
 
 void append_predictions(Streams& streams, const std::string& name, const Predictions& predictions) {
   const auto& position_m = predictions.bodies.at(name + "_position_m");
   const auto& velocity_m_per_s = predictions.bodies.at(name + "_velocity_m_per_s");
-  streams.push_back({"/" + name + "/predicted/position", &point_stamped_type(), color_frame,
-                     predictions.time_s, [position_m](const RosHeader& header, std::size_t i) {
-                       return point_stamped(header, vector_at(position_m, i));
-                     }});
-  streams.push_back(
-      {"/" + name + "/predicted/odometry", &odometry_type(), color_frame, predictions.time_s,
-       [=](const RosHeader& header, std::size_t i) {
-         return odometry(header, name,
-                         {vector_at(position_m, i), vector_at(velocity_m_per_s, i), std::nullopt});
-       }});
+  append_states(streams, "/" + name + "/predicted", name, predictions.time_s, [=](std::size_t i) {
+    return RosBodyState{vector_at(position_m, i), vector_at(velocity_m_per_s, i), std::nullopt};
+  });
 }
 
 using SharedReader = std::shared_ptr<const RecordingReader>;
@@ -178,6 +166,16 @@ void append_recording(MessageStreams& all, const std::filesystem::path& file, bo
 }
 
 }  // namespace
+
+std::vector<std::size_t> measured_labels(const LabelledBody& body) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < body.quality.size(); ++i) {
+    const double* p = &body.position_m[3 * i];
+    if ((body.quality[i] & (quality_lost | quality_gap)) == 0 && std::isfinite(p[0] + p[1] + p[2]))
+      indices.push_back(i);
+  }
+  return indices;
+}
 
 MessageStreams open_streams(const ExportRequest& request) {
   MessageStreams all;

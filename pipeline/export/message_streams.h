@@ -6,6 +6,7 @@
 
 #include "pipeline/export/export.h"
 #include "pipeline/export/ros2_messages.h"
+#include "pipeline/recording/labels.h"
 
 namespace touchtrace {
 
@@ -22,6 +23,9 @@ struct MessageStreams {
   std::vector<MessageStream> streams;
   double epoch_unix_s = 0.0;  ///< Unix time of the host clock's 0; 0: unknown
 };
+
+/// Indices of the labels whose position was measured: neither lost nor outside the measured time.
+std::vector<std::size_t> measured_labels(const LabelledBody& body);
 
 /// Topics of labels, predictions and recording: README.md lists them. Throws data_error if there
 /// are none.

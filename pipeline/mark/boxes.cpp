@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <charconv>
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
@@ -16,11 +15,7 @@ PixelBox parse_box(const std::string& text) {
   const auto parts = split_text(text, ',');
   std::array<int, 4> values{};
   bool is_good = parts.size() == 4;
-  for (std::size_t i = 0; is_good && i < 4; ++i) {
-    const char* const end = parts[i].data() + parts[i].size();
-    const auto [rest, fault] = std::from_chars(parts[i].data(), end, values[i]);
-    is_good = fault == std::errc{} && rest == end;
-  }
+  for (std::size_t i = 0; is_good && i < 4; ++i) is_good = parse_whole(parts[i], values[i]);
   if (!is_good)
     throw usage_error(fmt::format("'{}' is not a box", text),
                       "write x,y,width,height in pixels, e.g. hand=120,80,60,50");

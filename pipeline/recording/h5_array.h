@@ -19,22 +19,10 @@ struct ElementType {
   Conversion (*find_conversion)(hid_t found) = nullptr;
 };
 
+/// `T`: float, double or an unsigned or signed integer that files have.
 template <class T>
 ElementType element_type();
-template <>
-ElementType element_type<double>();
-template <>
-ElementType element_type<float>();
-template <>
-ElementType element_type<std::uint8_t>();
-template <>
-ElementType element_type<std::uint16_t>();
-template <>
-ElementType element_type<std::int32_t>();
-template <>
-ElementType element_type<std::int64_t>();
-template <>
-ElementType element_type<std::uint64_t>();
+
 /// UTF-8 text of `bytes` bytes, padded with zeros.
 ElementType text_type(std::size_t bytes);
 /// Name of a type for messages, such as "uint16" or "big-endian float64".

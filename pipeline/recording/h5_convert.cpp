@@ -15,52 +15,6 @@
 namespace touchtrace::h5 {
 namespace {
 
-/// Little-endian and big-endian data type of a file.
-using ByteOrders = std::pair<hid_t, hid_t>;
-
-template <class T>
-ByteOrders stored_type();
-template <>
-ByteOrders stored_type<std::int8_t>() {
-  return {H5T_STD_I8LE, H5T_STD_I8BE};
-}
-template <>
-ByteOrders stored_type<std::uint8_t>() {
-  return {H5T_STD_U8LE, H5T_STD_U8BE};
-}
-template <>
-ByteOrders stored_type<std::int16_t>() {
-  return {H5T_STD_I16LE, H5T_STD_I16BE};
-}
-template <>
-ByteOrders stored_type<std::uint16_t>() {
-  return {H5T_STD_U16LE, H5T_STD_U16BE};
-}
-template <>
-ByteOrders stored_type<std::int32_t>() {
-  return {H5T_STD_I32LE, H5T_STD_I32BE};
-}
-template <>
-ByteOrders stored_type<std::uint32_t>() {
-  return {H5T_STD_U32LE, H5T_STD_U32BE};
-}
-template <>
-ByteOrders stored_type<std::int64_t>() {
-  return {H5T_STD_I64LE, H5T_STD_I64BE};
-}
-template <>
-ByteOrders stored_type<std::uint64_t>() {
-  return {H5T_STD_U64LE, H5T_STD_U64BE};
-}
-template <>
-ByteOrders stored_type<float>() {
-  return {H5T_IEEE_F32LE, H5T_IEEE_F32BE};
-}
-template <>
-ByteOrders stored_type<double>() {
-  return {H5T_IEEE_F64LE, H5T_IEEE_F64BE};
-}
-
 template <class To, class From>
 bool can_hold(From value) {
   if constexpr (std::is_floating_point_v<To>) {
@@ -97,10 +51,11 @@ void convert(std::span<const std::uint8_t> from, std::span<std::uint8_t> to) {
 
 template <class To, class From>
 bool match(hid_t found, Conversion& conversion) {
-  const auto [little, big] = stored_type<From>();
-  if (H5Tequal(found, little) > 0)
+  const Handle big_endian(H5Tcopy(stored_type<From>()), H5Tclose, "data type");
+  check(H5Tset_order(big_endian, H5T_ORDER_BE), "data type");
+  if (H5Tequal(found, stored_type<From>()) > 0)
     conversion = convert<To, From, false>;
-  else if (H5Tequal(found, big) > 0)
+  else if (H5Tequal(found, big_endian) > 0)
     conversion = convert<To, From, true>;
   return conversion != nullptr;
 }

@@ -13,43 +13,22 @@ ElementType copy_of(hid_t type, std::size_t bytes) {
   return {Handle(H5Tcopy(type), H5Tclose, "data type"), bytes};
 }
 
+}  // namespace
+
 template <class T>
-ElementType number_type(hid_t type) {
-  ElementType result = copy_of(type, sizeof(T));
+ElementType element_type() {
+  ElementType result = copy_of(stored_type<T>(), sizeof(T));
   result.find_conversion = find_conversion<T>;
   return result;
 }
 
-}  // namespace
-
-template <>
-ElementType element_type<double>() {
-  return number_type<double>(H5T_IEEE_F64LE);
-}
-template <>
-ElementType element_type<float>() {
-  return number_type<float>(H5T_IEEE_F32LE);
-}
-template <>
-ElementType element_type<std::uint8_t>() {
-  return number_type<std::uint8_t>(H5T_STD_U8LE);
-}
-template <>
-ElementType element_type<std::uint16_t>() {
-  return number_type<std::uint16_t>(H5T_STD_U16LE);
-}
-template <>
-ElementType element_type<std::int32_t>() {
-  return number_type<std::int32_t>(H5T_STD_I32LE);
-}
-template <>
-ElementType element_type<std::int64_t>() {
-  return number_type<std::int64_t>(H5T_STD_I64LE);
-}
-template <>
-ElementType element_type<std::uint64_t>() {
-  return number_type<std::uint64_t>(H5T_STD_U64LE);
-}
+template ElementType element_type<std::uint8_t>();
+template ElementType element_type<std::uint16_t>();
+template ElementType element_type<std::int32_t>();
+template ElementType element_type<std::int64_t>();
+template ElementType element_type<std::uint64_t>();
+template ElementType element_type<float>();
+template ElementType element_type<double>();
 
 ElementType text_type(std::size_t bytes) {
   auto text = copy_of(H5T_C_S1, bytes);

@@ -49,10 +49,6 @@ bool has_intrinsics(const CameraInfo& camera) {
   return camera.color_camera && camera.depth_camera && camera.depth_from_color;
 }
 
-bool is_same(const PixelBox& a, const PixelBox& b) {
-  return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
-}
-
 /// Fault of a box that is drawn; empty if there is none.
 std::string box_fault(const char* name, const PixelBox& box, const CameraInfo& camera) {
   const std::string found =
@@ -76,7 +72,7 @@ std::vector<std::string> box_faults(const Clip& clip, const Recording& recording
        {std::pair{"hand_box", clip.hand_box}, {"object_box", clip.object_box}})
     if (auto fault = box_fault(name, box, recording.camera); !fault.empty())
       faults.push_back(std::move(fault));
-  if (!clip.hand_box.empty() && is_same(clip.hand_box, clip.object_box))
+  if (!clip.hand_box.empty() && clip.hand_box == clip.object_box)
     faults.emplace_back("hand_box and object_box are the same");
   const auto frames = arrived_in(clip, recording.camera_times.host_time_s);
   if (clip.box_frame && !frames.contains(*clip.box_frame))

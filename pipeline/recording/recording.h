@@ -100,6 +100,7 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 
   bool empty() const { return width <= 0 || height <= 0; }
+  bool operator==(const PixelBox&) const = default;
 };
 
 /// Stretch of a recording with one grasp; host clock.
@@ -110,6 +111,8 @@ struct Clip {
   PixelBox hand_box, object_box;  ///< drawn by a user in camera frame `box_frame`, or empty
   /// Index of a camera frame (for RecordingWriter: of a colour image); nullopt: the clip's first.
   std::optional<std::size_t> box_frame = std::nullopt;
+
+  bool operator==(const Clip&) const = default;
 };
 
 /// Chessboard, described by its inner corners.

@@ -33,7 +33,7 @@ class RecordingWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Reads a recording of schema 2 or 1. The constructor loads everything except images and truth,
+/// Reads a recording. The constructor loads everything except images and truth,
 /// and validates it: schema, types, shapes, checksums, finite times. Camera frames are pairs of a
 /// depth image and the colour image nearest in time; in a recording without depth they are the
 /// colour images. Host times above 1e6 s, such as Unix time, are shifted to begin at 0. Throws

@@ -1,19 +1,15 @@
-#include "calib/board/aprilgrid.h"
-
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <opencv2/aruco.hpp>
 
-#include "calib/board/board_detector.h"
-#include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "tests/calib/rendered_board.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
 
-using testing::board_pose, testing::corner_rms_px;
+using testing::board_pose, testing::Placement;
 
 /// 6x4 tags of 25 mm with a gap of 30 %.
 CalibrationTarget aprilgrid() {
@@ -42,110 +38,64 @@ testing::BoardPrint draw(const CalibrationTarget& target, int border_bits) {
   return {drawing, Eigen::Vector2d::Constant(2.0 * gap / testing::print_px_per_m)};
 }
 
-GreyImage render(const Eigen::Isometry3d& pose, int border_bits = 2) {
-  return testing::render(draw(aprilgrid(), border_bits), pose);
+GreyImage near_view() {
+  return testing::render(draw(aprilgrid(), 2),
+                         board_pose(aprilgrid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}));
 }
 
-struct Placement {
-  const char* name;
-  Eigen::Vector3d angle_axis, centre_m;
-  int border_bits;
-  std::size_t min_corners, max_corners;
-
-  friend void PrintTo(const Placement& value, std::ostream* stream) { *stream << value.name; }
-};
-
-class PlacedAprilGrid : public ::testing::TestWithParam<Placement> {};
+class PlacedAprilGrid : public ::testing::TestWithParam<std::pair<int, Placement>> {};
 
 TEST_P(PlacedAprilGrid, CornersAreAccurate) {
-  const Placement& placed = GetParam();
-  const auto pose = board_pose(aprilgrid(), placed.angle_axis, placed.centre_m);
-  const auto [corners, ids] = find_aprilgrid_corners(render(pose, placed.border_bits), aprilgrid());
-  EXPECT_GE(corners.size(), placed.min_corners);
-  EXPECT_LE(corners.size(), placed.max_corners);
-  const double error_px = corner_rms_px(aprilgrid(), pose, corners, ids);
-  RecordProperty("error_px", std::to_string(error_px));
-  EXPECT_LT(error_px, 0.05);
+  const auto& [border_bits, placed] = GetParam();
+  testing::expect_accurate_corners(draw(aprilgrid(), border_bits), aprilgrid(), placed, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     AprilGrid, PlacedAprilGrid,
-    ::testing::Values(Placement{"Near", {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}, 2, 96, 96},
-                      Placement{"BorderOfOneBit", {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}, 1, 96, 96},
-                      Placement{"Far", {0.2, 0.3, 1.4}, {0.0, 0.0, 0.4}, 2, 96, 96},
-                      Placement{"InPart", {0.2, 0.3, -0.1}, {0.1, 0.06, 0.26}, 2, 20, 80}),
-    [](const auto& placed) { return placed.param.name; });
+    ::testing::Values(
+        std::pair(2, Placement{"Near", {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}, 96, 96}),
+        std::pair(1, Placement{"BorderOfOneBit", {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}, 96, 96}),
+        std::pair(2, Placement{"Far", {0.2, 0.3, 1.4}, {0.0, 0.0, 0.4}, 96, 96}),
+        std::pair(2, Placement{"InPart", {0.2, 0.3, -0.1}, {0.1, 0.06, 0.26}, 20, 80})),
+    [](const auto& row) { return row.param.second.name; });
 
 TEST(AprilGrid, CalibratesFromPartialViews) {
-  BoardDetector detector(aprilgrid());
-  for (int i = 0; i < 12; ++i)
-    detector.add({.name = "view " + std::to_string(i)},
-                 render(testing::calibration_pose(aprilgrid(), i, 0.08, 0.24 + 0.01 * i)));
-  const BoardObservations observed = std::move(detector).finish();
-  ASSERT_GE(observed.views.size(), 10u);
-  EXPECT_TRUE(std::ranges::any_of(observed.views,
-                                  [](const auto& view) { return view.corners_px.size() < 96; }));
-  const RgbdCalibration found = calibrate(observed);
-  EXPECT_LT(found.rms_px, 0.1);
-  testing::expect_rendered_camera(found.color);
-}
-
-/// Message of `calibrate`'s error.
-std::string refusal(const BoardObservations& observed) {
-  try {
-    calibrate(observed);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  const auto observed = testing::observe(draw(aprilgrid(), 2), aprilgrid(), 0.08, 0.24, 0.01);
+  EXPECT_TRUE(testing::shows_parts(observed));
+  testing::expect_calibration(observed, 0.1);
 }
 
 TEST(AprilGrid, RefusesAnotherSpacing) {
   CalibrationTarget asked = aprilgrid();
   asked.square_m = 0.03;
-  BoardDetector detector(asked);
-  for (int i = 0; i < 8; ++i)
-    detector.add({.name = "view " + std::to_string(i)},
-                 render(testing::calibration_pose(aprilgrid(), i, 0.08, 0.24 + 0.01 * i)));
-  EXPECT_NE(refusal(std::move(detector).finish()).find("of 0.3 of their side, not 0.2"),
-            std::string::npos);
+  testing::expect_error(
+      [&] { calibrate(testing::observe(draw(aprilgrid(), 2), asked, 0.08, 0.24, 0.01)); },
+      "of 0.3 of their side, not 0.2", {});
 }
 
 TEST(AprilGrid, FindsNothingWithoutATarget) {
-  const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_aprilgrid_corners(plain, aprilgrid()).corners_px.empty());
-  EXPECT_TRUE(find_aprilgrid_corners({1, 1, {0}}, aprilgrid()).corners_px.empty());
+  EXPECT_TRUE(testing::finds_nothing(testing::plain_image, aprilgrid()));
+  EXPECT_TRUE(testing::finds_nothing({1, 1, {0}}, aprilgrid()));
 }
 
 TEST(AprilGrid, TellsHowManyTagsARowHas) {
-  const auto image = render(board_pose(aprilgrid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}));
+  EXPECT_FALSE(aprilgrid_kind.find_other(near_view(), aprilgrid()));
   CalibrationTarget asked = aprilgrid();
-  EXPECT_FALSE(aprilgrid_kind.find_other(image, asked));
   asked.columns = 10;
-  EXPECT_TRUE(find_aprilgrid_corners(image, asked).corners_px.empty());
-  const auto other = aprilgrid_kind.find_other(image, asked);
-  ASSERT_TRUE(other);
-  EXPECT_EQ(other->seen, "no grid with 5 tags in a row but one with 6");
+  testing::expect_other(near_view(), asked, "no grid with 5 tags in a row but one with 6");
 }
 
 TEST(AprilGrid, IsRecognizedWhereAnotherKindWasAskedFor) {
-  const auto image = render(board_pose(aprilgrid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}));
-  for (const TargetKind* kind : target_kinds()) {
-    if (kind == &aprilgrid_kind) continue;
-    const auto other = recognize_target(image, *kind);
-    ASSERT_TRUE(other) << kind->name;
-    EXPECT_EQ(other->seen, "an AprilGrid with 6 tags in a row") << kind->name;
-  }
+  testing::expect_recognized(near_view(), aprilgrid_kind, "an AprilGrid with 6 tags in a row");
 }
 
 TEST(AprilGrid, RejectsImpossibleTargets) {
-  const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   CalibrationTarget target = aprilgrid();
   target.markers->side_m = target.square_m;
-  EXPECT_THROW(find_aprilgrid_corners(plain, target), Error);
+  EXPECT_THROW(testing::finds_nothing(testing::plain_image, target), Error);
   target = aprilgrid();
   target.columns = target.rows = 60;
-  EXPECT_THROW(find_aprilgrid_corners(plain, target), Error);
+  EXPECT_THROW(testing::finds_nothing(testing::plain_image, target), Error);
 }
 
 }  // namespace

@@ -1,20 +1,14 @@
-#include "calib/board/aruco_grid.h"
-
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <opencv2/aruco.hpp>
-#include <opencv2/core.hpp>
 
-#include "calib/board/board_detector.h"
-#include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "tests/calib/rendered_board.h"
 
 namespace touchtrace {
 namespace {
 
-using testing::board_pose, testing::corner_rms_px;
+using testing::board_pose, testing::Placement;
 
 /// 5x4 markers of 30 mm with a gap of 25 %.
 CalibrationTarget aruco_grid() {
@@ -37,33 +31,21 @@ testing::BoardPrint draw(const CalibrationTarget& grid, bool is_turned = false) 
   return {drawing, Eigen::Vector2d::Constant(double(gap) / testing::print_px_per_m)};
 }
 
-GreyImage render(const Eigen::Isometry3d& pose) {
-  return testing::render(draw(aruco_grid()), pose);
-}
-
 GreyImage near_view() {
-  return render(board_pose(aruco_grid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.3}));
+  return testing::render(draw(aruco_grid()),
+                         board_pose(aruco_grid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.3}));
 }
 
-struct Placement {
-  const char* name;
-  Eigen::Vector3d angle_axis, centre_m;
-  std::size_t min_corners, max_corners;
-
-  friend void PrintTo(const Placement& value, std::ostream* stream) { *stream << value.name; }
-};
+CalibrationTarget with_columns(int columns) {
+  CalibrationTarget grid = aruco_grid();
+  grid.columns = columns;
+  return grid;
+}
 
 class PlacedArucoGrid : public ::testing::TestWithParam<Placement> {};
 
 TEST_P(PlacedArucoGrid, CornersAreAccurate) {
-  const Placement& placed = GetParam();
-  const auto pose = board_pose(aruco_grid(), placed.angle_axis, placed.centre_m);
-  const auto [corners, ids] = find_aruco_grid_corners(render(pose), aruco_grid());
-  EXPECT_GE(corners.size(), placed.min_corners);
-  EXPECT_LE(corners.size(), placed.max_corners);
-  const double error_px = corner_rms_px(aruco_grid(), pose, corners, ids);
-  RecordProperty("error_px", std::to_string(error_px));
-  EXPECT_LT(error_px, 0.06);
+  testing::expect_accurate_corners(draw(aruco_grid()), aruco_grid(), GetParam(), 0.06);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -74,68 +56,44 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& placed) { return placed.param.name; });
 
 TEST(ArucoGrid, CalibratesFromPartialViews) {
-  BoardDetector detector(aruco_grid());
-  for (int i = 0; i < 12; ++i)
-    detector.add({.name = "view " + std::to_string(i)},
-                 render(testing::calibration_pose(aruco_grid(), i, 0.08, 0.27 + 0.01 * i)));
-  const BoardObservations observed = std::move(detector).finish();
-  ASSERT_GE(observed.views.size(), 10u);
-  EXPECT_TRUE(std::ranges::any_of(observed.views,
-                                  [](const auto& view) { return view.corners_px.size() < 80; }));
-  const RgbdCalibration found = calibrate(observed);
-  EXPECT_LT(found.rms_px, 0.06);
-  testing::expect_rendered_camera(found.color);
+  const auto observed = testing::observe(draw(aruco_grid()), aruco_grid(), 0.08, 0.27, 0.01);
+  EXPECT_TRUE(testing::shows_parts(observed));
+  testing::expect_calibration(observed, 0.06);
 }
 
 TEST(ArucoGrid, MarkersMayBeTurnedByHalfATurn) {
-  const auto pose = board_pose(aruco_grid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.3});
-  const GreyImage image = testing::render(draw(aruco_grid(), true), pose);
-  const auto [corners, ids] = find_aruco_grid_corners(image, aruco_grid());
-  EXPECT_EQ(corners.size(), 80u);
-  EXPECT_LT(corner_rms_px(aruco_grid(), pose, corners, ids), 0.06);
+  const auto print = draw(aruco_grid(), true);
+  const Placement placed{"Turned", {0.4, -0.3, 0.2}, {0.0, 0.0, 0.3}, 80, 80};
+  testing::expect_accurate_corners(print, aruco_grid(), placed, 0.06);
+  const auto image =
+      testing::render(print, board_pose(aruco_grid(), placed.angle_axis, placed.centre_m));
   const auto seen = recognize_target(image, chessboard_kind);
   ASSERT_TRUE(seen);
   EXPECT_NE(seen->seen.find("5 in a row"), std::string::npos) << seen->seen;
   EXPECT_FALSE(aruco_grid_kind.find_other(image, aruco_grid()));
-  CalibrationTarget asked = aruco_grid();
-  asked.columns = 8;
-  const auto other = aruco_grid_kind.find_other(image, asked);
-  ASSERT_TRUE(other);
-  EXPECT_EQ(other->seen, "no grid with 4 tags in a row but one with 5");
+  testing::expect_other(image, with_columns(8), "no grid with 4 tags in a row but one with 5");
 }
 
 TEST(ArucoGrid, TellsHowManyTagsARowHas) {
-  CalibrationTarget asked = aruco_grid();
-  EXPECT_FALSE(aruco_grid_kind.find_other(near_view(), asked));
-  asked.columns = 8;
-  EXPECT_TRUE(find_aruco_grid_corners(near_view(), asked).corners_px.empty());
-  const auto other = aruco_grid_kind.find_other(near_view(), asked);
-  ASSERT_TRUE(other);
-  EXPECT_EQ(other->seen, "no grid with 4 tags in a row but one with 5");
+  EXPECT_FALSE(aruco_grid_kind.find_other(near_view(), aruco_grid()));
+  testing::expect_other(near_view(), with_columns(8),
+                        "no grid with 4 tags in a row but one with 5");
 }
 
 TEST(ArucoGrid, IsRecognizedWhereAnotherKindWasAskedFor) {
-  for (const TargetKind* kind : target_kinds()) {
-    if (kind == &aruco_grid_kind) continue;
-    const auto other = recognize_target(near_view(), *kind);
-    ASSERT_TRUE(other) << kind->name;
-    EXPECT_EQ(other->seen, "a grid of 5x5_1000 markers with 5 in a row") << kind->name;
-  }
+  testing::expect_recognized(near_view(), aruco_grid_kind,
+                             "a grid of 5x5_1000 markers with 5 in a row");
   EXPECT_FALSE(recognize_target(near_view(), aruco_grid_kind));
 }
 
 TEST(ArucoGrid, RejectsImpossibleTargets) {
-  const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_aruco_grid_corners(plain, aruco_grid()).corners_px.empty());
-  CalibrationTarget grid = aruco_grid();
-  grid.markers->side_m = grid.square_m;
-  EXPECT_THROW(find_aruco_grid_corners(plain, grid), Error);
-  grid = aruco_grid();
-  grid.columns = grid.rows = 22;
-  EXPECT_THROW(find_aruco_grid_corners(plain, grid), Error);
-  grid = aruco_grid();
-  grid.markers->dictionary = "5x5_99";
-  EXPECT_THROW(find_aruco_grid_corners(plain, grid), Error);
+  EXPECT_TRUE(testing::finds_nothing(testing::plain_image, aruco_grid()));
+  CalibrationTarget no_gap = aruco_grid(), too_large = with_columns(22), unknown = aruco_grid();
+  no_gap.markers->side_m = no_gap.square_m;
+  too_large.rows = 22;
+  unknown.markers->dictionary = "5x5_99";
+  for (const auto& grid : {no_gap, too_large, unknown})
+    EXPECT_THROW(testing::finds_nothing(testing::plain_image, grid), Error);
 }
 
 }  // namespace

@@ -30,10 +30,7 @@ struct Example {
     start.color[0] += 5.0, start.color[4] += 0.05;
     for (auto& pose : start.camera_from_board) pose[0] += 0.02, pose[5] += 0.01;
   }
-  static BoardObservations noisy(const SimulatedBoards& boards) {
-    RandomStream random(1, "noise");
-    return observe(boards, random);
-  }
+  static BoardObservations noisy(const SimulatedBoards& boards) { return observe(boards, 1); }
 };
 
 TEST(BoardProblem, RotationsFollowTheEvaluationPoint) {

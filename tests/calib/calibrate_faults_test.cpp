@@ -31,8 +31,7 @@ TEST(CalibrateFaults, CountsReEncodedViewsOnce) {
 /// The images are stretched by 3.7 %, which a radial lens takes up in part: hence 3.x.
 TEST(CalibrateFaults, ABoardWhoseSquaresAreNotSquareIsNotGood) {
   SimulatedBoards boards = simulated_boards(15, false, 640);
-  RandomStream random(17, "noise");
-  BoardObservations observed = observe(boards, random);
+  BoardObservations observed = observe(boards, 17);
   for (auto& view : observed.views)
     for (auto& corner : view.corners_px) corner.y() *= 1.037;
   observed.height = static_cast<int>(1.037 * observed.height);
@@ -42,8 +41,7 @@ TEST(CalibrateFaults, ABoardWhoseSquaresAreNotSquareIsNotGood) {
 }
 
 TEST(CalibrateFaults, BlurredImagesAreNotGood) {
-  RandomStream random(20, "noise");
-  BoardObservations observed = observe(simulated_boards(15, false, 640), random);
+  BoardObservations observed = observe(simulated_boards(15, false, 640), 20);
   for (auto& view : observed.views) view.relative_edge_width = 0.2;
   EXPECT_EQ(calibrate(observed).details["verdict"], "GOOD");
   for (auto& view : observed.views) view.relative_edge_width = 0.4;
@@ -54,8 +52,7 @@ TEST(CalibrateFaults, BlurredImagesAreNotGood) {
 
 /// A board of 9x5 corners looks the same after half a turn; the detector begins at either end.
 TEST(CalibrateFaults, TurnsViewsOfASymmetricBoardTheSameWay) {
-  RandomStream random(19, "noise");
-  BoardObservations observed = observe(simulated_boards(10, false), random);
+  BoardObservations observed = observe(simulated_boards(10, false), 19);
   observed.board.rows = 5;  // without the last of six rows
   for (auto& view : observed.views) view.corners_px.resize(45);
   BoardObservations turned = observed;
@@ -67,8 +64,7 @@ TEST(CalibrateFaults, TurnsViewsOfASymmetricBoardTheSameWay) {
 
 /// Every second view is from a camera whose focal length and centre are `scale` times as large.
 BoardObservations two_cameras(const SimulatedBoards& boards, double scale) {
-  RandomStream random(18, "noise");
-  BoardObservations observed = observe(boards, random);
+  BoardObservations observed = observe(boards, 18);
   for (std::size_t i = 0; i < observed.views.size(); i += 2)
     for (auto& corner : observed.views[i].corners_px) corner *= scale;
   return observed;
@@ -131,17 +127,15 @@ TEST(CalibrateFaults, TheDetectorTellsBlackPartsOfTheImages) {
 
 /// A rational lens can imitate a fisheye up to some 80 degrees, if it is started near the solution.
 TEST(CalibrateFaults, FitsAPerspectiveLensToAFisheye) {
-  RandomStream random(21, "noise");
   const SimulatedBoards boards = simulated_fisheye_boards(25);
-  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  const RgbdCalibration c = calibrate(observe(boards, 21), {.lenses = {"rational8"}});
   EXPECT_LT(c.rms_px, 0.2);  // noise: .14
   EXPECT_NEAR(c.color.cx, boards.truth.color[2], 1.0);
   EXPECT_NEAR(c.color.cy, boards.truth.color[3], 1.0);
 }
 
 TEST(Verdict, BoardModelsThatDisagreeByMoreThanTheirSigmaAreNotGood) {
-  RandomStream random(21, "noise");
-  RgbdCalibration c = calibrate(observe(simulated_boards(15, false, 640), random));
+  RgbdCalibration c = calibrate(observe(simulated_boards(15, false, 640), 21));
   ASSERT_EQ(c.details["verdict"], "GOOD");
   c.covariance *= 0.25;
   const double allowed_px = 0.005 * c.color.width;

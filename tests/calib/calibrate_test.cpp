@@ -8,33 +8,13 @@
 
 #include "calib/rgbd/projection_map.h"
 #include "engine/base/error.h"
-#include "tests/verify/calib/monte_carlo.h"
-#include "tests/verify/calib/simulated_boards.h"
+#include "tests/calib/calibration_checks.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
 
-/// NEES is a mean of `runs` draws of chi^2 over its n degrees of freedom: its standard deviation is
-/// sqrt(2 / (n runs)); the bound is 4 of these.
-void expect_consistent(double nees, int parameters, int runs) {
-  EXPECT_NEAR(nees, 1.0, 4.0 * std::sqrt(2.0 / (parameters * runs)));
-}
-
-/// The standard deviation of an RMSE from `runs` draws is 1 / sqrt(2 runs) of it; the bound is 4 of
-/// these.
-void expect_efficient(const MonteCarlo& result) {
-  for (std::size_t i = 0; i < result.names.size(); ++i)
-    EXPECT_NEAR(result.rmse_ratio[i], 1.0, 4.0 / std::sqrt(2.0 * result.runs)) << result.names[i];
-}
-
-/// Compares each error with its own standard deviation. For 8 to 22 normal errors, 4.5 is exceeded
-/// with a probability below 2e-4.
-void expect_within_own_sigma(const RgbdCalibration& c, const RgbdParameters& truth) {
-  const Eigen::VectorXd error = errors(c, truth);
-  for (Eigen::Index i = 0; i < error.size(); ++i)
-    EXPECT_LT(std::abs(error[i]), 4.5 * std::sqrt(c.covariance(i, i)))
-        << c.parameters[static_cast<std::size_t>(i)];
-}
+using testing::expect_consistent, testing::expect_efficient, testing::expect_within_own_sigma;
 
 class ColorNoise : public ::testing::TestWithParam<double> {};
 
@@ -71,8 +51,7 @@ TEST(Calibrate, IsExactWithoutNoise) {
 
 TEST(Calibrate, EstimatesTheDepthDelayOfAMovingBoard) {
   const SimulatedBoards boards = simulated_moving_boards(12, 0.021);
-  RandomStream random(14, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 14));
   ASSERT_EQ(c.parameters.back(), "depth.delay");
   const double sigma_s = std::sqrt(c.covariance.diagonal().tail<1>()[0]);
   EXPECT_LT(sigma_s, 2e-3);
@@ -81,8 +60,7 @@ TEST(Calibrate, EstimatesTheDepthDelayOfAMovingBoard) {
 
 TEST(Calibrate, DoesNotEstimateTheDepthDelayOfABoardAtRest) {
   const SimulatedBoards boards = simulated_boards(6, true);
-  RandomStream random(15, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 15));
   EXPECT_EQ(c.parameters.back(), "depth.offset");
   EXPECT_EQ(c.depth_delay_s, 0.0);
 }
@@ -117,19 +95,13 @@ TEST(Calibrate, IsDeterministic) {
 }
 
 TEST(Calibrate, CountsABoardAsItsOptionsDo) {
-  const auto message = [](const TargetKind& kind) -> std::string {
+  for (const auto& [kind, count] : {std::pair{&chessboard_kind, "12x10 inner corners"},
+                                    {&aprilgrid_kind, "6x5 tags"},
+                                    {&circles_kind, "12x10 circles"}}) {
     BoardObservations o;
-    o.board.kind = &kind, o.board.columns = 12, o.board.rows = 10;
-    try {
-      calibrate(o);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_NE(message(chessboard_kind).find("12x10 inner corners"), std::string::npos);
-  EXPECT_NE(message(aprilgrid_kind).find("6x5 tags"), std::string::npos);
-  EXPECT_NE(message(circles_kind).find("12x10 circles"), std::string::npos);
+    o.board.kind = kind, o.board.columns = 12, o.board.rows = 10;
+    testing::expect_error([&] { calibrate(o); }, count);
+  }
 }
 
 /// Numerator and denominator of the lens nearly have a common factor, as where rational8 is fitted
@@ -138,8 +110,7 @@ TEST(Calibrate, IntrinsicsAreKnownWhereCoefficientsAreNot) {
   SimulatedBoards boards = with_lens_coefficients(simulated_fisheye_boards(23), Rational8{},
                                                   {10.0, 5.0, 0.0, 0.0, 0.2, 10.3, 8.0, 1.0});
   boards.corner_sigma_px = 0.3;
-  RandomStream random(21, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  const RgbdCalibration c = calibrate(observe(boards, 21), {.lenses = {"rational8"}});
   const double sigma_px = std::sqrt(c.covariance(0, 0));
   EXPECT_LT(sigma_px, 1.0);
   EXPECT_LT(std::abs(c.color.fx - boards.truth.color[0]), 4.5 * sigma_px);
@@ -159,8 +130,7 @@ TEST(Calibrate, RejectsAndReportsAnOutlierView) {
 TEST(Calibrate, RejectsDepthOfAnOccluder) {
   constexpr double thumb_px = 25.0;
   const SimulatedBoards boards = simulated_boards(15, true);
-  RandomStream random(6, "noise");
-  BoardObservations observed = observe(boards, random);
+  BoardObservations observed = observe(boards, 6);
   for (auto& view : observed.views)
     for (int y = 0; y < observed.height; ++y)
       for (int x = 0; x < observed.width; ++x)
@@ -193,8 +163,7 @@ class TrueLens : public ::testing::TestWithParam<LensCase> {};
 TEST_P(TrueLens, IsChosenByBic) {
   SimulatedBoards boards = GetParam().boards;
   boards.corner_sigma_px = 0.02;
-  RandomStream random(4, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 4));
   EXPECT_EQ(c.details["lens"], GetParam().name) << c.details["lenses"].dump(1);
   EXPECT_NEAR(c.color.fx, boards.truth.color[0], 4.5 * std::sqrt(c.covariance(0, 0)));
   EXPECT_NEAR(c.color.fy, boards.truth.color[1], 4.5 * std::sqrt(c.covariance(1, 1)));
@@ -251,39 +220,32 @@ TEST(Calibrate, FrontalViewsAreBadOrRejected) {
   }
 }
 
-void expect_error(const BoardObservations& observed, const std::string& text) {
-  try {
-    calibrate(observed);
-    FAIL() << "no error with '" << text << "'";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
-  }
+void expect_rejected(const BoardObservations& observed, const std::string& text) {
+  testing::expect_error([&] { calibrate(observed); }, text);
 }
 
 TEST(Calibrate, RequiresThreeViews) {
-  expect_error(simulated_boards(1, false).clean, "only 1 ");
-  expect_error(simulated_boards(2, false).clean, "only 2 ");
+  expect_rejected(simulated_boards(1, false).clean, "only 1 ");
+  expect_rejected(simulated_boards(2, false).clean, "only 2 ");
 }
 
 TEST(Calibrate, RejectsAViewFromBehind) {
   BoardObservations observed = simulated_boards(6, false).clean;
   for (auto& corner : observed.views[3].corners_px) corner.x() = observed.width - 1 - corner.x();
-  expect_error(observed, "view 3");
+  expect_rejected(observed, "view 3");
 }
 
 TEST(Calibrate, RejectsACornerThatIsNotFinite) {
   BoardObservations observed = simulated_boards(6, false).clean;
   observed.views[2].corners_px[7].y() = std::nan("");
-  expect_error(observed, "view 2");
+  expect_rejected(observed, "view 2");
   observed.views[2].corners_px[7].y() = std::numeric_limits<double>::infinity();
-  expect_error(observed, "view 2");
+  expect_rejected(observed, "view 2");
 }
 
 TEST(Calibrate, CountsDuplicateViewsOnce) {
   const SimulatedBoards boards = simulated_boards(10, false);
-  RandomStream random(10, "noise");
-  const BoardObservations once = observe(boards, random);
+  const BoardObservations once = observe(boards, 10);
   BoardObservations twice = once;
   twice.views.insert(twice.views.end(), once.views.begin(), once.views.end());
   const RgbdCalibration a = calibrate(once), b = calibrate(twice);
@@ -291,7 +253,7 @@ TEST(Calibrate, CountsDuplicateViewsOnce) {
   EXPECT_NEAR(b.covariance(0, 0), a.covariance(0, 0), 0.2 * a.covariance(0, 0));
   BoardObservations one = once;
   one.views.assign(6, once.views[0]);
-  expect_error(one, "only 1 ");
+  expect_rejected(one, "only 1 ");
 }
 
 TEST(Calibrate, ATinyImageIsNotGood) {
@@ -308,15 +270,13 @@ TEST(Calibrate, ATinyImageIsNotGood) {
 
 TEST(Calibrate, EstimatesTheBoardsWarp) {
   SimulatedBoards boards = with_warp(simulated_boards(15, false, 640), {8e-4, -5e-4});
-  RandomStream random(11, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 11));
   expect_within_own_sigma(c, boards.truth);
 }
 
 TEST(Calibrate, HeldOutErrorIsAboutTheTrainingError) {
   const SimulatedBoards boards = simulated_boards(15, false);
-  RandomStream random(13, "noise");
-  const auto c = calibrate(observe(boards, random), {.cross_validate = true});
+  const auto c = calibrate(observe(boards, 13), {.cross_validate = true});
   const auto& held_out = c.details["held_out"];
   const double ratio = held_out["held_out_rms_px"].get<double>() / c.rms_px;
   EXPECT_GT(ratio, 1.0);  // poses are fitted to held-out views, too: only the camera's error adds
@@ -325,8 +285,7 @@ TEST(Calibrate, HeldOutErrorIsAboutTheTrainingError) {
 
 TEST(Calibrate, DoesNotDependOnTheUnitOfLength) {
   SimulatedBoards boards = simulated_boards(12, false);
-  RandomStream random(9, "noise");
-  BoardObservations metres = observe(boards, random), millimetres = metres;
+  BoardObservations metres = observe(boards, 9), millimetres = metres;
   millimetres.board.square_m *= 1000.0;
   const auto a = calibrate(metres), b = calibrate(millimetres);
   // Both stop within 1e-10 of the minimum cost: 1e-5 sqrt(2 cost) ~ 4e-4 standard deviations.

@@ -1,13 +1,9 @@
-#include "calib/board/circle_grid.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "calib/board/board_detector.h"
 #include "calib/board/circle_image.h"
-#include "calib/rgbd/calibrate.h"
 #include "tests/calib/rendered_board.h"
 
 namespace touchtrace {
@@ -40,6 +36,10 @@ testing::BoardPrint draw(const CalibrationTarget& target) {
 
 GreyImage render(const CalibrationTarget& target, const Eigen::Isometry3d& pose) {
   return testing::render(draw(target), pose);
+}
+
+TargetCorners find_centres(const GreyImage& image, const CalibrationTarget& target) {
+  return target.kind->find_corners(image, target);
 }
 
 std::vector<int> all_ids(const CalibrationTarget& target) {
@@ -77,7 +77,7 @@ double perspective_offset_px(const CalibrationTarget& target, const Eigen::Isome
 TEST_P(PlacedCircles, CentresAreAccurate) {
   const auto& [name, target, angle_axis, centre_m] = GetParam();
   const auto pose = board_pose(target, angle_axis, centre_m);
-  auto centres = find_circle_centres(render(target, pose), target).corners_px;
+  auto centres = find_centres(render(target, pose), target).corners_px;
   ASSERT_EQ(int(centres.size()), target.num_corners());
   const auto ids = all_ids(target);
   double error_px = corner_rms_px(target, pose, centres, ids);
@@ -123,7 +123,7 @@ TEST(CircleGrid, LargeTiltedDimReflectingCircles) {
                print.pixels(cv::Rect(px(corner_m.x()), px(corner_m.y()), px(0.03), px(0.06))) == 0);
   }
   print.pixels = 0.18 * reflecting;
-  auto centres = find_circle_centres(testing::render(print, pose), large).corners_px;
+  auto centres = find_centres(testing::render(print, pose), large).corners_px;
   ASSERT_EQ(int(centres.size()), large.num_corners());
   const auto ids = all_ids(large);
   const double error_px = corner_rms_px(large, pose, centres, ids);
@@ -172,15 +172,7 @@ class CircleGridCalibration : public ::testing::TestWithParam<const CalibrationT
 
 TEST_P(CircleGridCalibration, RecoversTheCamera) {
   const CalibrationTarget& target = *GetParam();
-  BoardDetector detector(target);
-  for (int i = 0; i < 12; ++i)
-    detector.add({.name = "view " + std::to_string(i)},
-                 render(target, testing::calibration_pose(target, i, 0.06, 0.45 + 0.02 * i)));
-  const BoardObservations observed = std::move(detector).finish();
-  ASSERT_GE(observed.views.size(), 10u);
-  const RgbdCalibration found = calibrate(observed);
-  EXPECT_LT(found.rms_px, 0.03);
-  testing::expect_rendered_camera(found.color);
+  testing::expect_calibration(testing::observe(draw(target), target, 0.06, 0.45, 0.02), 0.03);
 }
 
 INSTANTIATE_TEST_SUITE_P(CircleGrid, CircleGridCalibration,
@@ -190,16 +182,15 @@ INSTANTIATE_TEST_SUITE_P(CircleGrid, CircleGridCalibration,
 
 TEST(CircleGrid, LightCirclesOnADarkBoardAreFoundAtTheSamePlaces) {
   GreyImage image = render(asymmetric, board_pose(asymmetric, {0.3, -0.2, 0.1}, {0.0, 0.0, 0.6}));
-  const TargetCorners dark = find_circle_centres(image, asymmetric);
+  const TargetCorners dark = find_centres(image, asymmetric);
   ASSERT_EQ(dark.corners_px.size(), std::size_t(asymmetric.num_corners()));
   for (auto& grey : image.pixels) grey = static_cast<std::uint8_t>(~grey);
-  EXPECT_EQ(find_circle_centres(image, asymmetric).corners_px, dark.corners_px);
+  EXPECT_EQ(find_centres(image, asymmetric).corners_px, dark.corners_px);
 }
 
 TEST(CircleGrid, FindsNothingWithoutATarget) {
-  const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_circle_centres(plain, symmetric).corners_px.empty());
-  EXPECT_TRUE(find_circle_centres({1, 1, {0}}, asymmetric).corners_px.empty());
+  EXPECT_TRUE(testing::finds_nothing(testing::plain_image, symmetric));
+  EXPECT_TRUE(testing::finds_nothing({1, 1, {0}}, asymmetric));
 }
 
 }  // namespace

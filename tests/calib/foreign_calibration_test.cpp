@@ -1,13 +1,14 @@
 #include "calib/rgbd/foreign_calibration.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/scratch_folder.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -16,28 +17,17 @@ namespace fs = std::filesystem;
 
 class ForeignCalibration : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              ("foreign_calibration." + std::to_string(getpid()) + "." +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   RgbdCalibration read(const std::string& text) {
     write_file(folder_ / "foreign.yaml", text, true);
     return read_calibration(folder_ / "foreign.yaml");
   }
   void expect_rejected(const std::string& text) {
-    try {
-      read(text);
-      ADD_FAILURE() << "accepted " << text.substr(0, 200);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data) << text.substr(0, 200);
-    }
+    SCOPED_TRACE(text.substr(0, 200));
+    testing::expect_error([&] { read(text); }, "");
   }
 
-  fs::path folder_;
+  ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 RgbdCalibration rgbd_pair(double k3 = 0.0) {

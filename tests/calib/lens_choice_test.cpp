@@ -39,14 +39,12 @@ TEST(LensChoice, DeformationIsNotTakenForDistortion) {
 
 TEST(LensChoice, ChoosesNoneWithoutRadialDistortion) {
   const SimulatedBoards boards = with_lens_coefficients(simulated_boards(15, false), Radtan4{}, {});
-  RandomStream random(3, "noise");
-  EXPECT_EQ(calibrate(observe(boards, random)).details["lens"], "none");
+  EXPECT_EQ(calibrate(observe(boards, 3)).details["lens"], "none");
 }
 
 TEST(LensChoice, RemovesUnobservableCoefficients) {
   const SimulatedBoards boards = simulated_boards(12, false, 640);
-  RandomStream random(12, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  const RgbdCalibration c = calibrate(observe(boards, 12), {.lenses = {"rational8"}});
   const auto& removed = c.details["lenses"][0]["removed"];
   ASSERT_FALSE(removed.empty());
   EXPECT_EQ(removed[0]["parameter"], "k6");

@@ -15,8 +15,7 @@ namespace {
 
 /// Eight views, all in the left half of the image.
 BoardObservations views_on_the_left() {
-  RandomStream random(3, "noise");
-  BoardObservations observed = observe(simulated_boards(40, false, 640), random);
+  BoardObservations observed = observe(simulated_boards(40, false, 640), 3);
   std::erase_if(observed.views, [](const BoardView& view) {
     return std::ranges::any_of(view.corners_px, [](const auto& c) { return c.x() > 400.0; });
   });

@@ -3,10 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/board/chessboard.h"
-#include "calib/camera/camera.h"
+#include "calib/board/board_detector.h"
+#include "calib/rgbd/calibrate.h"
 #include "engine/base/random.h"
 
 namespace touchtrace::testing {
@@ -84,6 +85,75 @@ inline Eigen::Isometry3d calibration_pose(const CalibrationTarget& board, int i,
   const double sides_m[] = {-side_m, 0.0, side_m};
   const Eigen::Vector3d turn(0.5 * ((i % 3) - 1) + 0.1, 0.5 * ((i / 3) % 2 ? 1 : -1), 0.1 * i);
   return board_pose(board, turn, {sides_m[i % 3], sides_m[(i / 4) % 3] * 0.7, distance_m});
+}
+
+/// Detects a board in twelve views from `distance_m` on, each farther by `step_m`.
+inline BoardObservations observe(const BoardPrint& print, const CalibrationTarget& board,
+                                 double side_m, double distance_m, double step_m) {
+  BoardDetector detector(board);
+  for (int i = 0; i < 12; ++i)
+    detector.add({.name = "view " + std::to_string(i)},
+                 render(print, calibration_pose(board, i, side_m, distance_m + step_m * i)));
+  return std::move(detector).finish();
+}
+
+inline void expect_calibration(const BoardObservations& observed, double max_rms_px) {
+  ASSERT_GE(observed.views.size(), 10u);
+  const RgbdCalibration found = calibrate(observed);
+  EXPECT_LT(found.rms_px, max_rms_px);
+  expect_rendered_camera(found.color);
+}
+
+inline bool shows_parts(const BoardObservations& observed) {
+  return std::ranges::any_of(observed.views, [&](const BoardView& view) {
+    return int(view.corners_px.size()) < observed.board.num_corners();
+  });
+}
+
+/// A view, and how many corners it shows.
+struct Placement {
+  const char* name;
+  Eigen::Vector3d angle_axis, centre_m;
+  std::size_t min_corners, max_corners;
+
+  friend void PrintTo(const Placement& value, std::ostream* stream) { *stream << value.name; }
+};
+
+inline void expect_accurate_corners(const BoardPrint& print, const CalibrationTarget& board,
+                                    const Placement& placed, double max_rms_px) {
+  const auto pose = board_pose(board, placed.angle_axis, placed.centre_m);
+  const auto [corners, ids] = board.kind->find_corners(render(print, pose), board);
+  EXPECT_GE(corners.size(), placed.min_corners);
+  EXPECT_LE(corners.size(), placed.max_corners);
+  const double error_px = corner_rms_px(board, pose, corners, ids);
+  ::testing::Test::RecordProperty("error_px", std::to_string(error_px));
+  EXPECT_LT(error_px, max_rms_px);
+}
+
+inline const GreyImage plain_image{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
+
+inline bool finds_nothing(const GreyImage& image, const CalibrationTarget& board) {
+  return board.kind->find_corners(image, board).corners_px.empty();
+}
+
+/// Expects that `asked` is not found, and that the message about what is seen contains `seen`.
+inline void expect_other(const GreyImage& image, const CalibrationTarget& asked,
+                         const std::string& seen) {
+  EXPECT_TRUE(finds_nothing(image, asked));
+  const auto other = asked.kind->find_other(image, asked);
+  ASSERT_TRUE(other);
+  EXPECT_NE(other->seen.find(seen), std::string::npos) << other->seen;
+}
+
+/// Expects that a board of kind `kind` is named where any other kind was asked for.
+inline void expect_recognized(const GreyImage& image, const TargetKind& kind,
+                              const std::string& seen) {
+  for (const TargetKind* asked : target_kinds()) {
+    if (asked == &kind) continue;
+    const auto other = recognize_target(image, *asked);
+    ASSERT_TRUE(other) << asked->name;
+    EXPECT_EQ(other->seen, seen) << asked->name;
+  }
 }
 
 }  // namespace touchtrace::testing

@@ -8,8 +8,7 @@
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
-#include "tests/verify/calib/monte_carlo.h"
-#include "tests/verify/calib/simulated_boards.h"
+#include "tests/calib/calibration_checks.h"
 
 namespace touchtrace {
 namespace {
@@ -42,17 +41,9 @@ Eigen::Vector3d shape_error(const CalibrationTarget& board, const RgbdParameters
   return error.rowwise().squaredNorm().cwiseSqrt() / std::sqrt(board.num_corners());
 }
 
-void expect_within_own_sigma(const RgbdCalibration& c, const RgbdParameters& truth) {
-  const Eigen::VectorXd error = errors(c, truth);
-  for (Eigen::Index i = 0; i < error.size(); ++i)
-    EXPECT_LT(std::abs(error[i]), 4.5 * std::sqrt(c.covariance(i, i)))
-        << c.parameters[static_cast<std::size_t>(i)];
-}
-
 TEST(TargetDeformation, IsEstimated) {
   const SimulatedBoards boards = deformed_boards(15, 0.05);
-  RandomStream random(2, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 2));
   ASSERT_EQ(chosen(c), "free");
   // Estimated from 3 x 54 offsets less 7 of pose and scale: 155 degrees of freedom; 4 sigma.
   EXPECT_NEAR(c.details["target_deformation"]["sigma_m"].get<double>(), deformation_sigma_m,
@@ -64,14 +55,13 @@ TEST(TargetDeformation, IsEstimated) {
   EXPECT_LT(error_m.x(), 0.018e-3);
   EXPECT_LT(error_m.y(), 0.018e-3);
   EXPECT_LT(error_m.z(), 0.036e-3);
-  expect_within_own_sigma(c, boards.truth);
+  testing::expect_within_own_sigma(c, boards.truth);
 }
 
 TEST(TargetDeformation, IsNotEstimatedForAnIdealBoard) {
   for (int views : {3, 6, 15})
     for (std::uint64_t run = 0; run < 30; ++run) {
-      RandomStream random(run, "noise");
-      const BoardObservations o = observe(simulated_boards(views, false), random);
+      const BoardObservations o = observe(simulated_boards(views, false), run);
       const RgbdCalibration c = calibrate(o, {.lenses = {"radtan4"}});
       EXPECT_EQ(chosen(c), "ideal")
           << views << " views: " << c.details["target_deformation"].dump();
@@ -82,17 +72,13 @@ TEST(TargetDeformation, IsNotEstimatedForAnIdealBoard) {
 TEST(TargetDeformation, CameraIsConsistentAndReachesTheCramerRaoBound) {
   const MonteCarlo result = monte_carlo(deformed_boards(15, 0.1), 60);
   EXPECT_EQ(result.num_free_deformations, result.runs);
-  // Bounds of 4 standard deviations as in calibrate_test.cpp: chi^2 with 8 degrees of freedom, and
-  // the RMSE of `runs` draws.
-  EXPECT_NEAR(result.color_nees, 1.0, 4.0 * std::sqrt(2.0 / (8.0 * result.runs)));
-  for (std::size_t i = 0; i < result.names.size(); ++i)
-    EXPECT_NEAR(result.rmse_ratio[i], 1.0, 4.0 / std::sqrt(2.0 * result.runs)) << result.names[i];
+  testing::expect_consistent(result.color_nees, 8, result.runs);
+  testing::expect_efficient(result);
 }
 
 TEST(TargetDeformation, HeldOutViewsFitBetterThanWithTheIdealBoard) {
   const SimulatedBoards boards = deformed_boards(15, 0.05);
-  RandomStream random(3, "noise");
-  const BoardObservations o = observe(boards, random);
+  const BoardObservations o = observe(boards, 3);
   const ColorFit fit = fit_color(o, std::vector<bool>(o.views.size(), true), {"radtan4"});
   BoardProblem problem = color_problem(o, fit);
   RgbdParameters parameters = fit.parameters;
@@ -135,22 +121,20 @@ TEST(TargetDeformation, IsEstimatedFromPartialViews) {
   const RgbdCalibration c = calibrate(o, {.lenses = {"radtan4"}});
   ASSERT_EQ(chosen(c), "free");
   EXPECT_TRUE(board_parameters(c).corner_offsets_m[never].isZero(1e-12));
-  expect_within_own_sigma(c, boards.truth);
+  testing::expect_within_own_sigma(c, boards.truth);
 }
 
 TEST(TargetDeformation, IsEstimatedWithADepthCamera) {
   const SimulatedBoards boards = deformed_boards(15, 0.05, true);
-  RandomStream random(5, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random));
+  const RgbdCalibration c = calibrate(observe(boards, 5));
   EXPECT_EQ(chosen(c), "free");
-  expect_within_own_sigma(c, boards.truth);
+  testing::expect_within_own_sigma(c, boards.truth);
 }
 
 /// Pose and scale of the board are not observable: the prior keeps them.
 TEST(TargetDeformation, KeepsTheBoardsPoseAndSize) {
   const SimulatedBoards boards = deformed_boards(15, 0.05);
-  RandomStream random(6, "noise");
-  const RgbdParameters found = board_parameters(calibrate(observe(boards, random)));
+  const RgbdParameters found = board_parameters(calibrate(observe(boards, 6)));
   ASSERT_FALSE(found.corner_offsets_m.empty());
   const Eigen::Matrix3Xd ideal = corners_of(boards.clean.board, {});
   Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();

@@ -23,6 +23,7 @@
 #include "engine/base/random.h"
 #include "engine/base/statistics.h"
 #include "engine/base/text.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/scratch.h"
 #include "tests/verify/support/figure.h"
 
@@ -159,15 +160,10 @@ TEST(Options, InvalidValuesAreUsageErrors) {
 
 TEST(Options, AllInvalidValuesAreReported) {
   SomeOptions invalid{0, 15, "c", ""};
-  try {
-    describe(invalid).validate();
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "3 faults\n  --count must be from 1 to 10, not 0\n"
-                 "  --kind cannot be 'c'; did you mean 'a'?\n  missing --output");
-    EXPECT_EQ(error.hint(), "correct all of them");
-  }
+  EXPECT_EQ(testing::expect_error([&] { describe(invalid).validate(); }, "; correct all of them",
+                                  ExitCode::usage),
+            "3 faults\n  --count must be from 1 to 10, not 0\n"
+            "  --kind cannot be 'c'; did you mean 'a'?\n  missing --output");
 }
 
 TEST(Options, ListsOfNumbersHaveTheirLength) {

@@ -9,9 +9,10 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
-#include "engine/check/conv2d_reference.h"
 #include "engine/check/host_arrays.h"
+#include "engine/check/operation_check.h"
 #include "engine/check/tactile_window_reference.h"
+#include "tests/verify/engine/encoder_reference.h"
 
 namespace touchtrace {
 namespace {
@@ -22,58 +23,6 @@ std::vector<double> normal_floats(std::size_t size, const char* name) {
   RandomStream random(20, name);
   return touchtrace::normal_floats<double>(size, random);
 }
-
-double norm_of_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double difference = 0.0, norm = 0.0;
-  for (std::size_t i = 0; i < b.size(); ++i)
-    difference += (a[i] - b[i]) * (a[i] - b[i]), norm += b[i] * b[i];
-  return a.size() == b.size() ? std::sqrt(difference / norm) : NAN;
-}
-
-/// Reference of ConvStack in plain loops.
-class Reference {
- public:
-  Reference(const ConvStackShape& shape, const ParameterTable& table,
-            const std::vector<double>& parameters, const std::vector<double>& stream,
-            const std::vector<int>& window_end, const TaxelDropout& dropout)
-      : table_(table), parameters_(parameters), shapes_(shape.layers()) {
-    activations_.push_back(tactile_window_reference(shape.windows, stream, window_end, dropout));
-    for (int layer = 1; layer <= 3; ++layer)
-      activations_.push_back(
-          conv2d_reference(shapes_[layer - 1], activations_.back(), weight(layer), bias(layer)));
-  }
-
-  const std::vector<double>& features() const { return activations_.back(); }
-
-  std::vector<double> gradient(std::vector<double> grad) const {
-    std::vector<double> flat(table_.size());
-    for (int layer = 3; layer >= 1; --layer) {
-      for (std::size_t i = 0; i < grad.size(); ++i)
-        if (!(activations_[layer][i] > 0)) grad[i] = 0;
-      auto g = conv2d_backward_reference(shapes_[layer - 1], activations_[layer - 1], weight(layer),
-                                         grad);
-      std::ranges::copy(g.weight, flat.begin() + row(layer, "weight").offset);
-      std::ranges::copy(g.bias, flat.begin() + row(layer, "bias").offset);
-      grad = g.in;
-    }
-    return flat;
-  }
-
- private:
-  const Parameter& row(int layer, const std::string& what) const {
-    return table_.at("object.conv" + std::to_string(layer) + "." + what);
-  }
-  std::vector<double> slice(const Parameter& p) const {
-    return {parameters_.begin() + p.offset, parameters_.begin() + p.offset + p.size};
-  }
-  std::vector<double> weight(int layer) const { return slice(row(layer, "weight")); }
-  std::vector<double> bias(int layer) const { return slice(row(layer, "bias")); }
-
-  const ParameterTable& table_;
-  const std::vector<double>& parameters_;
-  std::array<Conv2dShape, 3> shapes_;
-  std::vector<std::vector<double>> activations_;
-};
 
 class ConvStackOfShape : public ::testing::TestWithParam<ConvStackShape> {};
 
@@ -91,7 +40,10 @@ TEST_P(ConvStackOfShape, MatchesReference) {
   for (int w = 0; w < windows; ++w)
     window_end.push_back(stream_frames - 1 - w % (stream_frames - frames + 1));
   const TaxelDropout dropout{0.2, 99};
-  const Reference reference(shape, table, parameters, stream, window_end, dropout);
+  FlatParameters reference{table, parameters, std::vector<double>(table.size())};
+  const auto trace =
+      conv_stack_reference("object", shape, reference,
+                           tactile_window_reference(shape.windows, stream, window_end, dropout));
 
   const Weights weights{table, upload(runtime, parameters),
                         runtime.allocate_zeros<float>(table.size())};
@@ -103,22 +55,19 @@ TEST_P(ConvStackOfShape, MatchesReference) {
     return in_block_order(features, features_shape.channels,
                           features_shape.rows * features_shape.cols);
   };
-  ASSERT_EQ(features_shape.row_size(), reference.features().size());
-  EXPECT_LE(
-      norm_of_difference(download(runtime, encoder.features()), in_blocks(reference.features())),
-      2e-6);
+  ASSERT_EQ(features_shape.row_size(), trace.layers[3].size());
+  EXPECT_LE(norm_error(download(runtime, encoder.features()), in_blocks(trace.layers[3])), 2e-6);
 
-  const auto grad_features = normal_floats(reference.features().size(), "gradient");
+  const auto grad_features = normal_floats(trace.layers[3].size(), "gradient");
   const auto in_rows = in_blocks(grad_features);
   runtime.write<float>(encoder.grad_features(), std::vector<float>(in_rows.begin(), in_rows.end()));
   encoder.backward();
-  const auto expected = reference.gradient(grad_features);
-  EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), expected), 5e-5);
+  conv_stack_backward_reference(trace, grad_features, reference);
+  EXPECT_LE(norm_error(download(runtime, weights.gradient), reference.gradient), 5e-5);
 
   encoder.backward();  // adds
-  auto twice = expected;
-  for (auto& value : twice) value *= 2;
-  EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), twice), 5e-5);
+  for (auto& value : reference.gradient) value *= 2;
+  EXPECT_LE(norm_error(download(runtime, weights.gradient), reference.gradient), 5e-5);
 }
 
 std::string name_of(const ::testing::TestParamInfo<ConvStackShape>& info) {
@@ -138,42 +87,19 @@ INSTANTIATE_TEST_SUITE_P(Shapes, ConvStackOfShape,
                                            ConvStackShape{{3, 2, 7, 6}, 5, {1, 2, 1}}),
                          name_of);
 
-TEST(ConvStack, IsReproducible) {
-  const auto run = [&] {
-    Runtime runtime(choose_device(""));
-    ParameterTable table;
-    const ConvStackShape shape{{45, 10, 32, 32}};
-    ConvStack::declare("tactile", shape, table);
-    const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
-                          runtime.allocate_zeros<float>(table.size())};
-    ConvStack encoder(runtime, "tactile", shape, weights);
-    std::vector<int> window_end(45);
-    std::iota(window_end.begin(), window_end.end(), 9);
-    encoder.prepare();
-    encoder.forward(upload(runtime, normal_floats(54 * 32 * 32, "stream")),
-                    runtime.upload<int>(window_end), {0.2, 5});
-    runtime.write<float>(encoder.grad_features(), runtime.download(encoder.features()));
-    encoder.backward();
-    return runtime.download(weights.gradient);
-  };
-  EXPECT_EQ(run(), run());
-}
-
-/// Features and gradient of 40 windows whose taxels in one corner are always zero.
-std::pair<std::vector<float>, std::vector<float>> run_with_dead_corner(bool known) {
+/// Features and gradient of 45 windows of ten frames.
+std::pair<std::vector<float>, std::vector<float>> run_passes(const std::vector<double>& stream,
+                                                             const LiveTaxels& live = {}) {
   Runtime runtime(choose_device(""));
-  auto stream = normal_floats(49 * 32 * 32, "stream");
-  for (std::size_t i = 0; i < stream.size(); ++i)
-    if (i / 32 % 32 >= 12 && i % 32 >= 13) stream[i] = 0.0;
-  ConvStackShape shape{{40, 10, 32, 32}};
-  if (known) shape.live = live_taxels(std::vector<float>(stream.begin(), stream.end()), 32 * 32);
-  EXPECT_EQ(shape.layers()[0].dead.size(), known ? 9u * 9u : 0u);
+  ConvStackShape shape{{45, 10, 32, 32}};
+  shape.live = live;
+  EXPECT_EQ(shape.layers()[0].dead.size(), live.empty() ? 0u : 9u * 9u);
   ParameterTable table;
   ConvStack::declare("tactile", shape, table);
   const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
                         runtime.allocate_zeros<float>(table.size())};
   ConvStack encoder(runtime, "tactile", shape, weights);
-  std::vector<int> window_end(40);
+  std::vector<int> window_end(45);
   std::iota(window_end.begin(), window_end.end(), 9);
   encoder.prepare();
   encoder.forward(upload(runtime, stream), runtime.upload<int>(window_end), {0.2, 5});
@@ -182,8 +108,17 @@ std::pair<std::vector<float>, std::vector<float>> run_with_dead_corner(bool know
   return {runtime.download(encoder.features()), runtime.download(weights.gradient)};
 }
 
+TEST(ConvStack, IsReproducible) {
+  const auto stream = normal_floats(54 * 32 * 32, "stream");
+  EXPECT_EQ(run_passes(stream), run_passes(stream));
+}
+
 TEST(ConvStack, SkippingDeadTaxelsDoesNotChangeTheResult) {
-  EXPECT_EQ(run_with_dead_corner(true), run_with_dead_corner(false));
+  auto stream = normal_floats(54 * 32 * 32, "stream");
+  for (std::size_t i = 0; i < stream.size(); ++i)
+    if (i / 32 % 32 >= 12 && i % 32 >= 13) stream[i] = 0.0;
+  const auto live = live_taxels(std::vector<float>(stream.begin(), stream.end()), 32 * 32);
+  EXPECT_EQ(run_passes(stream, live), run_passes(stream));
 }
 
 TEST(ConvStack, RejectsInvalidSizes) {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "engine/base/error.h"
+#include "engine/check/operation_check.h"
 #include "engine/train/noise_batch.h"
 #include "tests/engine/small_spec.h"
 #include "tests/verify/engine/model_comparison.h"
@@ -31,8 +32,7 @@ void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout,
   EXPECT_LE(result.loss_error(), 1e-5);
   EXPECT_LE(result.gradient_error(), 1e-5);
   for (const auto& row : result.table.rows())
-    EXPECT_LE(relative_distance(slice(result.device.gradient, row),
-                                slice(result.reference.gradient, row)),
+    EXPECT_LE(norm_error(slice(result.device.gradient, row), slice(result.reference.gradient, row)),
               5e-5)
         << row.name;
 }

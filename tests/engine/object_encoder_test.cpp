@@ -79,6 +79,11 @@ class ObjectEncoderTest : public TrainerTest {
     return folder_ / "model";
   }
 
+  std::span<const float> frames(int first, int count) const {
+    const auto size = std::size_t(spec_.rows) * spec_.cols;
+    return std::span(patterns_.stream).subspan(first * size, count * size);
+  }
+
   ModelSpec spec_ = small_spec(ObjectEncoder::frozen);
   Patterns patterns_{spec_};
   double first_loss_ = 0.0, last_loss_ = 0.0;
@@ -189,10 +194,6 @@ TEST_F(ObjectEncoderTest, OnlinePredictorMatchesPredictor) {
   const auto model = frozen_model();
   const auto one = alone(batch(6, "online"), 0, spec_);
   const auto rollout = Predictor(runtime_, model).predict(one, patterns_.stream);
-  const auto frames = [&](int first, int count) {
-    const auto size = std::size_t(spec_.rows) * spec_.cols;
-    return std::span<const float>(patterns_.stream).subspan(first * size, count * size);
-  };
   OnlinePredictor online(runtime_, model);
   online.set_state(one.initial_state);
   for (int i = spec_.window_frames - 1; i > 0; --i) online.push(frames(one.first_frame[0] - i, 1));
@@ -208,10 +209,6 @@ TEST_F(ObjectEncoderTest, OnlinePredictorMatchesPredictor) {
 
 TEST_F(ObjectEncoderTest, OnlinePredictorTakesAnEmbeddingInsteadOfASegment) {
   const auto model = frozen_model();
-  const auto frames = [&](int first, int count) {
-    const auto size = std::size_t(spec_.rows) * spec_.cols;
-    return std::span<const float>(patterns_.stream).subspan(first * size, count * size);
-  };
   const std::int32_t first = 20;
   const auto embedding = ObjectEmbedder(runtime_, spec_, read_safetensors(model))
                              .embed(runtime_.upload<float>(patterns_.stream), std::span(&first, 1));

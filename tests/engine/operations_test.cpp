@@ -31,6 +31,13 @@ std::vector<DeviceInfo> devices_that_trap() {
   return devices;
 }
 
+/// Kernel variants of an operation that the device supports.
+std::vector<KernelVariant> supported_variants(const Operation& operation,
+                                              const DeviceInfo& device) {
+  if (!operation.has_gpu_variant || !supports_gpu_variant(device)) return {KernelVariant::cpu};
+  return {KernelVariant::cpu, KernelVariant::gpu};
+}
+
 using OnCase = std::function<void(Runtime&, const OperationCase&)>;
 
 class EveryOperation : public ::testing::TestWithParam<Operation> {

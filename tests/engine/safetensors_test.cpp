@@ -1,7 +1,6 @@
 #include "engine/train/safetensors.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -9,22 +8,15 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/scratch_folder.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
 
 class Safetensors : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("safetensors_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-               std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path path() const { return folder_ / "file.safetensors"; }
+  std::filesystem::path path() const { return folder_.path() / "file.safetensors"; }
 
   /// Writes a header, its length (or `length`) and data, and reads the file.
   TensorFile read_back(const std::string& header, const std::string& data,
@@ -38,16 +30,11 @@ class Safetensors : public ::testing::Test {
 
   void expect_rejected(const std::string& header, const std::string& data,
                        std::uint64_t length = 0) {
-    try {
-      read_back(header, data, length);
-      ADD_FAILURE() << "accepted: " << header.substr(0, 200);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data) << error.what();
-      EXPECT_NE(std::string(error.what()).find("file.safetensors"), std::string::npos);
-    }
+    SCOPED_TRACE(header.substr(0, 200));
+    testing::expect_error([&] { read_back(header, data, length); }, "file.safetensors");
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 const std::string four(4, '\1'), eight(8, '\1');

@@ -7,24 +7,19 @@
 #include <vector>
 
 #include "engine/base/files.h"
+#include "engine/base/scratch_folder.h"
 #include "engine/train/noise_batch.h"
 #include "engine/train/predictor.h"
 #include "engine/train/trainer.h"
 #include "tests/engine/small_spec.h"
-#include "tests/support/scratch.h"
 
 namespace touchtrace::testing {
 
 /// Fixture with a scratch folder and the default device.
 class TrainerTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path folder_ = scratch_folder();
+  ScratchFolder scratch_;
+  std::filesystem::path folder_ = scratch_.path();
   Runtime runtime_{choose_device("")};
 };
 

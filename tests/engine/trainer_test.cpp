@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 
 #include "engine/base/error.h"
 #include "engine/train/safetensors.h"
 #include "tests/engine/trainer_fixture.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -50,20 +52,6 @@ TEST_F(TrainerTest, RejectsCheckpointsOfOtherModels) {
   EXPECT_EQ(run.weights(folder_ / "after"), before);
 }
 
-/// Message of load_checkpoint() for a trainer of another spec.
-std::string resume_error(Runtime& runtime, const ModelSpec& spec,
-                         const std::filesystem::path& checkpoint) {
-  NoiseRun run(runtime, spec);
-  try {
-    run.trainer.load_checkpoint(checkpoint);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    return error.what();
-  }
-  ADD_FAILURE() << "resumed another model";
-  return {};
-}
-
 TEST_F(TrainerTest, RejectsCheckpointsOfSpecsWithEqualWeightSizes) {
   const auto path = folder_ / "checkpoint";
   NoiseRun(runtime_, small_spec(true)).trainer.save_checkpoint(path);
@@ -73,9 +61,11 @@ TEST_F(TrainerTest, RejectsCheckpointsOfSpecsWithEqualWeightSizes) {
   wider.cols = 7;  // as many features after the strides
   for (const auto& [spec, key] : {std::pair{activation, "'activation' is \"relu\", here \"tanh\""},
                                   {quantile, "'band_quantile' is 0.1, here 0.2"},
-                                  {wider, "'cols' is 6, here 7"}})
-    EXPECT_NE(resume_error(runtime_, spec, path).find(key), std::string::npos) << key;
-  EXPECT_NE(resume_error(runtime_, quantile, path).find(path.string()), std::string::npos);
+                                  {wider, "'cols' is 6, here 7"}}) {
+    NoiseRun run(runtime_, spec);
+    const auto message = testing::expect_error([&] { run.trainer.load_checkpoint(path); }, key);
+    EXPECT_NE(message.find(path.string()), std::string::npos);
+  }
 }
 
 TEST_F(TrainerTest, RejectsCheckpointsWithInvalidCounts) {
@@ -93,20 +83,9 @@ TEST_F(TrainerTest, RejectsCheckpointsWithInvalidCounts) {
   }
 }
 
-bool contains(const std::string& text, const std::string& word) {
-  return text.find(word) != std::string::npos;
-}
-
-/// Message of an update that fails because a value is not finite.
-std::string not_finite_error(NoiseRun& run, const RolloutBatch& batch) {
-  try {
-    run.trainer.update(batch);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::failed);
-    return error.what();
-  }
-  ADD_FAILURE() << "trained on values that are not finite";
-  return {};
+/// Expects that an update fails because a value is not finite, and says which.
+void expect_not_finite(NoiseRun& run, const RolloutBatch& batch, const std::string& source = "") {
+  testing::expect_error([&] { run.trainer.update(batch); }, source, ExitCode::failed);
 }
 
 TEST_F(TrainerTest, NamesTheSourceOfAValueThatIsNotFinite) {
@@ -116,15 +95,15 @@ TEST_F(TrainerTest, NamesTheSourceOfAValueThatIsNotFinite) {
   const auto good = run.batch();
   auto batch = good;
   batch.initial_state[3] = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(contains(not_finite_error(run, batch), "the initial states are not finite"));
+  expect_not_finite(run, batch, "the initial states are not finite");
   batch = good, batch.target[7] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_TRUE(contains(not_finite_error(run, batch), "the labels are not finite"));
+  expect_not_finite(run, batch, "the labels are not finite");
   batch = good, batch.initial_state.assign(batch.initial_state.size(), 3e38f);
   const std::string kernel =
       runtime_.kernel_variant() == KernelVariant::gpu ? "rollout_gpu" : "rollout";
-  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of " + kernel + " is not finite"));
+  expect_not_finite(run, batch, "the output of " + kernel + " is not finite");
   batch = good, batch.target[7] = 3e38f;
-  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of state_loss is not finite"));
+  expect_not_finite(run, batch, "the output of state_loss is not finite");
   EXPECT_EQ(run.weights(folder_ / "after"), before);
   EXPECT_EQ(run.trainer.updates(), 2);
   EXPECT_TRUE(std::isfinite(run.trainer.update(good)));
@@ -144,12 +123,12 @@ TEST_F(TrainerTest, SkipsConsecutiveUpdatesUpToTheMaximum) {
   EXPECT_EQ(run.weights(folder_ / "after"), before);
   EXPECT_EQ(run.trainer.updates(), 3);
   run.trainer.save_checkpoint(folder_ / "checkpoint");
-  not_finite_error(run, bad);
+  expect_not_finite(run, bad);
   run.trainer.update(good);
   EXPECT_TRUE(std::isnan(run.trainer.update(bad))) << "a good update does not reset the count";
 
   other.trainer.load_checkpoint(folder_ / "checkpoint");
-  not_finite_error(other, bad);
+  expect_not_finite(other, bad);
   other.trainer.update(good);
   EXPECT_EQ(other.weights(folder_ / "resumed"), run.weights(folder_ / "whole"));
 }
@@ -168,39 +147,32 @@ TEST_F(TrainerTest, IgnoresLabelsOfWeightZero) {
   EXPECT_THROW(one.trainer.update(batch), Error);
 }
 
+/// Expects that a changed batch is rejected.
+void expect_rejected(NoiseRun& run, const std::function<void(RolloutBatch&)>& change) {
+  auto batch = run.batch();
+  change(batch);
+  EXPECT_THROW(run.trainer.update(batch), Error);
+}
+
 TEST_F(TrainerTest, RejectsInvalidSegments) {
   NoiseRun run(runtime_, small_spec(ObjectEncoder::joint));
-  RandomStream random(9, "batch");
-  const auto good = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
-  const auto expect_rejected = [&](auto change) {
-    auto batch = good;
-    change(batch);
-    EXPECT_THROW(run.trainer.update(batch), Error);
-  };
-  expect_rejected([](RolloutBatch& b) { b.object.clear(); });
-  expect_rejected([](RolloutBatch& b) { b.segment_frame.pop_back(); });
-  expect_rejected([](RolloutBatch& b) { b.segment_frame[1] = -1; });
+  expect_rejected(run, [](RolloutBatch& b) { b.object.clear(); });
+  expect_rejected(run, [](RolloutBatch& b) { b.segment_frame.pop_back(); });
+  expect_rejected(run, [](RolloutBatch& b) { b.segment_frame[1] = -1; });
   expect_rejected(
-      [&](RolloutBatch& b) { b.segment_frame[1] = run.frames - run.spec.segment_frames + 1; });
-  EXPECT_NO_THROW(run.trainer.update(good));
+      run, [&](RolloutBatch& b) { b.segment_frame[1] = run.frames - run.spec.segment_frames + 1; });
+  EXPECT_NO_THROW(run.trainer.update(run.batch()));
 }
 
 TEST_F(TrainerTest, RejectsInvalidBatches) {
   NoiseRun run(runtime_, true);
-  RandomStream random(9, "batch");
-  const auto good = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
-  const auto expect_rejected = [&](auto change) {
-    auto batch = good;
-    change(batch);
-    EXPECT_THROW(run.trainer.update(batch), Error);
-  };
-  expect_rejected([&](RolloutBatch& b) { b.first_frame[0] = run.spec.window_frames - 2; });
-  expect_rejected([&](RolloutBatch& b) { b.first_frame[0] = run.frames - run.steps + 1; });
-  expect_rejected([](RolloutBatch& b) { b.first_frame.pop_back(); });
-  expect_rejected([](RolloutBatch& b) { b.target.clear(); });
-  expect_rejected([](RolloutBatch& b) { b.sequences = 2; });
-  expect_rejected([](RolloutBatch& b) { b.weight.pop_back(); });
-  EXPECT_NO_THROW(run.trainer.update(good));
+  expect_rejected(run, [&](RolloutBatch& b) { b.first_frame[0] = run.spec.window_frames - 2; });
+  expect_rejected(run, [&](RolloutBatch& b) { b.first_frame[0] = run.frames - run.steps + 1; });
+  expect_rejected(run, [](RolloutBatch& b) { b.first_frame.pop_back(); });
+  expect_rejected(run, [](RolloutBatch& b) { b.target.clear(); });
+  expect_rejected(run, [](RolloutBatch& b) { b.sequences = 2; });
+  expect_rejected(run, [](RolloutBatch& b) { b.weight.pop_back(); });
+  EXPECT_NO_THROW(run.trainer.update(run.batch()));
 }
 
 /// Writes a problem for engine_step, which runs in its own process.

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
-#include <lz4frame.h>
 
 #include <cstring>
 #include <fstream>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/import/bags/decompress.h"
 #include "pipeline/export/byte_writer.h"
 #include "pipeline/export/export.h"
 #include "pipeline/export/mcap_writer.h"
@@ -45,14 +45,9 @@ std::vector<Record> records_of(const std::string& bytes, std::size_t at, std::si
 }
 
 std::string unpacked(const std::string& frame, std::size_t size) {
-  std::string bytes(size, '\0');
-  LZ4F_dctx* context = nullptr;
-  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
-  std::size_t out = size, in = frame.size();
-  EXPECT_EQ(LZ4F_decompress(context, bytes.data(), &out, frame.data(), &in, nullptr), 0u);
-  EXPECT_EQ(out, size);
-  LZ4F_freeDecompressionContext(context);
-  return bytes;
+  const std::vector<std::uint8_t> stored(frame.begin(), frame.end());
+  const auto bytes = decompress(Compression::lz4, stored, size);
+  return {bytes.begin(), bytes.end()};
 }
 
 TEST(Crc32, IsThatOfZip) { EXPECT_EQ(crc32("123456789"), 0xcbf43926u); }

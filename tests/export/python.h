@@ -1,9 +1,12 @@
 #pragma once
 
 #include <fmt/core.h>
+#include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace touchtrace::testing {
@@ -27,6 +30,15 @@ inline PythonResult run_python(const std::string& arguments) {
   for (int c; (c = std::fgetc(pipe)) != EOF;) result.output += static_cast<char>(c);
   result.status = pclose(pipe);
   return result;
+}
+
+/// Expects that Python runs `code` in a folder, with json, h5py, and numpy as np.
+inline void expect_python(const std::filesystem::path& folder, const std::string& code) {
+  std::ofstream(folder / "code.py")
+      << "import os, json, h5py, numpy as np\nos.chdir('" << folder.string() << "')\n"
+      << code << '\n';
+  const PythonResult result = run_python((folder / "code.py").string());
+  EXPECT_EQ(result.status, 0) << result.output;
 }
 
 /// Runs tests/export/NAME with arguments.

@@ -2,18 +2,18 @@
 
 #include <sstream>
 
-#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/import/glove_import.h"
 #include "pipeline/export/export.h"
 #include "tests/export/python.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
 
+using testing::expect_error;
 using testing::put;
-using testing::run_python;
 using testing::sample_labels;
 using testing::sample_recording;
 using testing::TemporaryFolder;
@@ -52,13 +52,6 @@ class Tables : public ::testing::Test {
     const auto path = folder_ / input;
     return export_file(format, {recognize_file(path), path, folder_ / output});
   }
-  /// Runs Python code with numpy as np, h5py and the folder as working directory.
-  void expect_in_python(const std::string& code) {
-    put(folder_ / "check.py",
-        "import os, h5py, numpy as np\nos.chdir('" + folder_.path().string() + "')\n" + code);
-    const auto result = run_python((folder_ / "check.py").string());
-    EXPECT_EQ(result.status, 0) << result.output;
-  }
 
   TemporaryFolder folder_;
   testing::SampleRecording sample_ = sample_recording();
@@ -83,7 +76,7 @@ TEST_F(Tables, CsvOfLabelsHasNamedColumnsAndExactNumbers) {
   EXPECT_EQ(clips[0], "start_s,end_s,object,dropped");
   EXPECT_TRUE(clips[1].ends_with(",ball,0"));
   EXPECT_TRUE(clips[2].ends_with(",\"box, \"\"blue\"\"\",0")) << clips[2];
-  expect_in_python(R"(
+  testing::expect_python(folder_.path(), R"(
 table = np.genfromtxt('o.csv', delimiter=',', names=True)
 with h5py.File('l.h5') as l:
     assert (table['time_s'] == l['label/time_s'][:]).all()
@@ -94,7 +87,7 @@ with h5py.File('l.h5') as l:
 
 TEST_F(Tables, NpzOfLabelsHasTheArraysOfTheFile) {
   run("npz", "l.h5", "o.npz");
-  expect_in_python(R"(
+  testing::expect_python(folder_.path(), R"(
 import zipfile
 assert zipfile.ZipFile('o.npz').testzip() is None
 o = np.load('o.npz')
@@ -113,7 +106,7 @@ assert o['clips_object'].tolist() == [b'ball', b'box, "blue"']
 TEST_F(Tables, TouchHasCountsAndPressure) {
   run("npz", "r.h5", "o.npz");
   run("csv", "r.h5", "o.csv");
-  expect_in_python(R"(
+  testing::expect_python(folder_.path(), R"(
 o, table = np.load('o.npz'), np.genfromtxt('o.csv', delimiter=',', names=True)
 with h5py.File('r.h5') as r:
     glove = r['glove0']
@@ -149,7 +142,7 @@ TEST_F(Tables, TouchIsImportedAgain) {
 TEST_F(Tables, PredictionsHaveTheirBands) {
   run("npz", "p.jsonl", "o.npz");
   run("csv", "p.jsonl", "o.csv");
-  expect_in_python(R"(
+  testing::expect_python(folder_.path(), R"(
 o = np.load('o.npz')
 assert o['time_s'].tolist() == [0.5, 0.75] and o['start'].tolist() == [b'label'] * 2 and o['clip'].tolist() == [3, 3]
 assert o['object_position_m'].tolist() == [[0.125, 0.25, 0.375]] * 2
@@ -190,16 +183,14 @@ TEST_F(Tables, TumOfLabelsTakesUnixTimeFromTheRecording) {
   EXPECT_TRUE(lines_of(folder_ / "t/object.txt").at(1).starts_with("1700000010.000000 "));
 }
 
-/// Expects an error with this exit code and text in message or hint.
-void expect_error(const std::function<void()>& action, ExitCode code, const std::string& text) {
-  try {
-    action();
-    ADD_FAILURE() << "accepted, instead of " << text;
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code);
-    EXPECT_NE((std::string(error.what()) + "; " + error.hint()).find(text), std::string::npos)
-        << error.what() << "; " << error.hint();
-  }
+TEST_F(Tables, TumHasALineForEachMeasuredLabel) {
+  run("tum", "l.h5", "t");
+  const auto hand = lines_of(folder_ / "t/hand.txt"), object = lines_of(folder_ / "t/object.txt");
+  ASSERT_EQ(hand.size(), labels_.time_s.size()) << "a header, and all labels but the lost one";
+  EXPECT_EQ(object.size(), 1 + labels_.time_s.size());
+  const double* p = &labels_.hand.position_m[6];  // behind the lost label
+  EXPECT_EQ(hand[2], fmt::format("{:.6f} {:.9g} {:.9g} {:.9g} 0 0 0 1", labels_.time_s[2], p[0],
+                                 p[1], p[2]));
 }
 
 TEST_F(Tables, FormatsFitTheKindOfTheFile) {
@@ -208,28 +199,30 @@ TEST_F(Tables, FormatsFitTheKindOfTheFile) {
   EXPECT_EQ(formats_of(FileKind::recording),
             (std::vector<std::string>{"csv", "npz", "mcap", "rosbag2"}));
   EXPECT_EQ(formats_of(FileKind::model), (std::vector<std::string>{"onnx"}));
-  expect_error([&] { run("onnx", "l.h5", "o"); }, ExitCode::usage,
-               "formats of this file: csv, npz, tum, mcap, rosbag2");
-  expect_error([&] { run("tum", "r.h5", "o"); }, ExitCode::usage,
-               "is a recording, which cannot be written as tum");
-  expect_error([&] { run("npx", "l.h5", "o"); }, ExitCode::usage, "did you mean 'npz'");
+  expect_error([&] { run("onnx", "l.h5", "o"); },
+               "formats of this file: csv, npz, tum, mcap, rosbag2", ExitCode::usage);
+  expect_error([&] { run("tum", "r.h5", "o"); }, "is a recording, which cannot be written as tum",
+               ExitCode::usage);
+  expect_error([&] { run("npx", "l.h5", "o"); }, "did you mean 'npz'", ExitCode::usage);
   expect_error(
       [&] {
         export_file("csv", {FileKind::labels, "l.h5", "o", "r.h5"});
       },
-      ExitCode::usage, "--recording has no effect on csv");
+      "--recording has no effect on csv", ExitCode::usage);
   expect_error(
       [&] {
         export_file("mcap", {FileKind::labels, "l.h5", "o", {}, true});
       },
-      ExitCode::usage, "--images needs a recording");
+      "--images needs a recording", ExitCode::usage);
 }
 
 TEST_F(Tables, OutputsAreNotReplacedUnasked) {
   put(folder_ / "o.clips.csv", "mine");
-  expect_error([&] { run("csv", "l.h5", "o.csv"); }, ExitCode::usage, "already exists");
+  expect_error([&] { run("csv", "l.h5", "o.csv"); }, "already exists", ExitCode::usage);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "o.csv"));
   EXPECT_EQ(read_file(folder_ / "o.clips.csv"), "mine");
+  run("tum", "p.jsonl", "t");
+  expect_error([&] { run("tum", "p.jsonl", "t"); }, "already exists", ExitCode::usage);
 }
 
 TEST_F(Tables, OtherFilesAreRefused) {
@@ -237,14 +230,14 @@ TEST_F(Tables, OtherFilesAreRefused) {
   put(folder_ / "short", "x");
   put(folder_ / "big_header", std::string("\xff\xff\xff\xff\xff\xff\xff\x7f{\"a\":1}", 15));
   for (const char* name : {"text", "short", "big_header", "missing"})
-    expect_error([&] { recognize_file(folder_ / name); }, ExitCode::data, name);
+    expect_error([&] { recognize_file(folder_ / name); }, name);
   put(folder_ / "bad.jsonl", prediction_line(1.0) + "{\"clip\": 1}\n");
-  expect_error([&] { run("csv", "bad.jsonl", "o.csv"); }, ExitCode::data, "bad.jsonl:2:");
+  expect_error([&] { run("csv", "bad.jsonl", "o.csv"); }, "bad.jsonl:2:");
   put(folder_ / "deep.jsonl", "{\"clip\":" + std::string(100'000, '['));
-  expect_error([&] { run("csv", "deep.jsonl", "o.csv"); }, ExitCode::data, "too long");
+  expect_error([&] { run("csv", "deep.jsonl", "o.csv"); }, "too long");
   sample_.recording.gloves.clear();
   write(sample_, folder_ / "no_glove.h5");
-  expect_error([&] { run("npz", "no_glove.h5", "o.npz"); }, ExitCode::data, "has no glove");
+  expect_error([&] { run("npz", "no_glove.h5", "o.npz"); }, "has no glove");
 }
 
 }  // namespace

@@ -6,11 +6,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/decode_image.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -67,13 +67,11 @@ TEST(FindBoardSize, LargeBoardsAreFound) {
 }
 
 TEST(FindBoardSize, OfTwoImagesIsNotClear) {
-  try {
-    size_in_photographs({{8, 3}, {8, 3}, {4, 3}});
-    FAIL() << "found a size";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("seen in only 2 of 3 images"), std::string::npos);
-    EXPECT_NE(error.hint().find("--columns"), std::string::npos);
-  }
+  testing::expect_error(
+      [] {
+        size_in_photographs({{8, 3}, {8, 3}, {4, 3}});
+      },
+      "seen in only 2 of 3 images; give --columns");
 }
 
 TEST(FindBoardSize, CornersOfAFileTellIt) {

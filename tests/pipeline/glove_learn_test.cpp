@@ -6,7 +6,7 @@
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/glove/learn_glove.h"
 #include "pipeline/acquire/glove/protocol.h"
-#include "pipeline/cli/commands.h"
+#include "tests/support/command_line.h"
 
 namespace touchtrace {
 namespace {
@@ -62,12 +62,9 @@ TEST(LearnGlove, TooFewFramesAreAnError) {
 }
 
 int run_glove(const std::string& port, const std::string& seconds) {
-  const std::vector<const char*> argv{
-      "touchtrace", "glove",   "--learn", "--glove",   port.c_str(),    "--protocol", "mit-rows",
-      "--rows",     "4",       "--cols",  "8",         "--bits",        "10",         "--rate-hz",
-      "20",         "--speed", "0",       "--seconds", seconds.c_str(), "--quiet"};
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
+  return testing::run_touchtrace({"glove", "--learn", "--glove", port, "--protocol", "mit-rows",
+                                  "--rows", "4", "--cols", "8", "--bits", "10", "--rate-hz", "20",
+                                  "--speed", "0", "--seconds", seconds});
 }
 
 /// 5 s at rest and 5 s of squeezing at 20 Hz.

@@ -1,13 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
+#include <cstring>
 #include <map>
 
-#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/glove/own_protocol.h"
-#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/command_line.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -17,14 +19,9 @@ using testing::TemporaryFolder;
 
 const std::string own_protocols = TOUCHTRACE_SOURCE_DIR "/tests/data/gloves/";
 
-std::uint8_t byte(const std::string& bytes, std::size_t i) {
-  return static_cast<std::uint8_t>(bytes.at(i));
-}
-
-std::uint64_t number(const std::string& bytes, std::size_t at, int size) {
+std::uint64_t number(const std::string& bytes, std::size_t at, std::size_t size) {
   std::uint64_t value = 0;
-  for (int i = size - 1; i >= 0; --i)
-    value = 256 * value + byte(bytes, at + static_cast<std::size_t>(i));
+  std::memcpy(&value, bytes.substr(at, size).data(), size);
   return value;
 }
 
@@ -100,7 +97,7 @@ std::map<std::uint64_t, std::uint64_t> packets_read(const std::string& bytes,
   EXPECT_EQ(bytes.size() % 249, 0u);
   for (std::size_t at = 0; at < bytes.size(); at += 249) {
     const std::uint64_t first = 120 * number(bytes, at + 243, 4);
-    EXPECT_EQ(byte(bytes, at), 0);
+    EXPECT_EQ(bytes[at], 0);
     EXPECT_EQ(number(bytes, at + 1, 2), first % taxels);
     EXPECT_EQ(bytes.substr(at + 247, 2), "wr");
     for (std::size_t i = 0; i < 120; ++i)
@@ -135,11 +132,9 @@ TEST(GloveProtocol, RejectsCountsWithTooManyBits) {
   EXPECT_NO_THROW(require_supported(find_glove_protocol("vitac"), info));
 }
 
-int send(const std::vector<std::string>& more) {
-  std::vector<const char*> argv{"touchtrace", "send", "--quiet"};
-  for (const auto& argument : more) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
+int send(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "send");
+  return testing::run_touchtrace(std::move(arguments));
 }
 
 TEST(SendCommand, WritesTheBytesOfTheDevice) {
@@ -214,35 +209,31 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "own.toml";
   const std::string valid = read_file(own_protocols + "numbered.toml");
-  std::string hint;
-  const auto fault = [&](const std::string& from, const std::string& to) {
+  const auto read_changed = [&](const std::string& from, const std::string& to) {
     std::string text = valid;
-    text.replace(text.find(from), from.size(), to);
-    write_file(file, text, true);
-    try {
-      read_glove_protocol(file);
-    } catch (const Error& error) {
-      hint = error.hint();
-      return std::string(error.what());
-    }
-    return std::string("none");
+    write_file(file, text.replace(text.find(from), from.size(), to), true);
+    return read_glove_protocol(file);
   };
-  const auto has = [](const std::string& text, const char* part) {
-    return text.find(part) != std::string::npos;
-  };
-  EXPECT_EQ(fault("rows = 16", "rows = 16"), "none");
-  EXPECT_TRUE(has(fault("rows = 16", "rows = 0"), "rows is 0"));
-  EXPECT_TRUE(has(fault("rows = 16", "rows = 1.5"), "not a whole number"));
-  EXPECT_TRUE(has(fault("rows = 16", "rows = 1666666666666666666"), "rows is 1.66667e+18"));
-  EXPECT_TRUE(has(fault("start = \"aa 55\"", "start = \"aa 5\""), "hexadecimal"));
-  EXPECT_TRUE(has(fault("start = \"aa 55\"", ""), "start is missing"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\ncount_bytes = 1"), "count_bytes is too small"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nlength = 100"), "of a packet of 100"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nnumber_at = 5"), "number_at puts the number"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nchecksum = \"crc\""), "checksum"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nchecksum = \"xor8\"\nlength = 198"), "counts_at"));
-  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nheader = 1"), "unknown key 'header'"));
-  EXPECT_EQ(hint.find("polarity"), hint.rfind("polarity")) << "named twice: " << hint;
+  EXPECT_NO_THROW(read_changed("rows = 16", "rows = 16"));
+  for (const auto& [from, to, fault] :
+       {std::array{"rows = 16", "rows = 0", "rows is 0"},
+        {"rows = 16", "rows = 1.5", "not a whole number"},
+        {"rows = 16", "rows = 1666666666666666666", "rows is 1.66667e+18"},
+        {"start = \"aa 55\"", "start = \"aa 5\"", "hexadecimal"},
+        {"start = \"aa 55\"", "", "start is missing"},
+        {"bits = 12", "bits = 12\ncount_bytes = 1", "count_bytes is too small"},
+        {"bits = 12", "bits = 12\nlength = 100", "of a packet of 100"},
+        {"bits = 12", "bits = 12\nnumber_at = 5", "number_at puts the number"},
+        {"bits = 12", "bits = 12\nchecksum = \"crc\"", "checksum"},
+        {"bits = 12", "bits = 12\nchecksum = \"xor8\"\nlength = 198", "counts_at"}})
+    testing::expect_error([&] { read_changed(from, to); }, fault, {});
+  try {
+    read_changed("bits = 12", "bits = 12\nheader = 1");
+    ADD_FAILURE() << "accepted an unknown key";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("unknown key 'header'"), std::string::npos);
+    EXPECT_EQ(error.hint().find("polarity"), error.hint().rfind("polarity")) << "named twice";
+  }
   EXPECT_THROW(find_glove_protocol(folder / "missing.toml"), Error);
 }
 

@@ -1,16 +1,9 @@
-#include "engine/base/random.h"
 #include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {
 namespace {
 
 using ImportFolder = Import;
-
-ImportOptions at_30_hz() {
-  ImportOptions options;
-  options.source.rate_hz = 30.0;
-  return options;
-}
 
 /// Names as programs write them into one folder. `%` is the image's number.
 TEST_F(ImportFolder, ReadsColorAndDepthInOneFolder) {
@@ -20,77 +13,64 @@ TEST_F(ImportFolder, ReadsColorAndDepthInOneFolder) {
                                      {"000000000%.png", "000000000%_depth.png"},
                                      {"image_%.png", "depth_%.png"}}) {
     SCOPED_TRACE(color);
-    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
+    fs::remove_all(folder_ / "in");
     for (int i = 0; i < import_frames; ++i) {
       const auto name = [&](std::string text) {
         return text.replace(text.find('%'), 1, std::to_string(i));
       };
-      write_file(folder_ / "in" / name(color), encoded(import_color(i)), true);
-      write_file(folder_ / "in" / name(depth), encoded(import_depth(i, 1000)), true);
-      write_file(folder_ / "in" / name("mask_%.png"), encoded(import_color(i)), true);
+      add_file("in/" + name(color), encoded(import_color(i)));
+      add_file("in/" + name(depth), encoded(import_depth(i, 1000)));
+      add_file("in/" + name("mask_%.png"), encoded(import_color(i)));
     }
-    expect_samples(import("in", at_30_hz()), 1000);
+    expect_samples(import("in", at_rate(30.0)), 1000);
   }
 }
 
 TEST_F(ImportFolder, NamesSeriesThatCannotBeToldApart) {
   for (const char* camera : {"rgb_image1", "rgb_image2", "depth1"})
     for (int i = 0; i < import_frames; ++i)
-      write_file(folder_ / "in" / fmt::format("{}_{}.png", camera, i),
-                 encoded(camera[0] == 'r' ? import_color(i) : import_depth(i, 1000)), true);
-  expect_rejected("in", "rgb_image1_#.png, rgb_image2_#.png", at_30_hz());
+      add_file(fmt::format("in/{}_{}.png", camera, i),
+               encoded(camera[0] == 'r' ? import_color(i) : import_depth(i, 1000)));
+  expect_rejected("in", "rgb_image1_#.png, rgb_image2_#.png", at_rate(30.0));
 }
 
 TEST_F(ImportFolder, ReadsFoldersOfOtherNames) {
-  for (int i = 0; i < import_frames; ++i) {
-    const std::string name = std::to_string(i) + ".png";
-    write_file(folder_ / "in" / "Frames" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depthMatrices" / name, encoded(import_depth(i, 1000)), true);
-    write_file(folder_ / "in" / "SegmentedDepth" / name, encoded(import_depth(i, 1000)), true);
-  }
-  expect_samples(import("in", at_30_hz()), 1000);
-  fs::remove(folder_ / "out.h5");
-  write_file(folder_ / "in" / "depth_raw" / "0.png", encoded(import_depth(0, 1000)), true);
-  expect_rejected("in", "depthMatrices, depth_raw", at_30_hz());
+  add_images(1000, "in/Frames", "in/depthMatrices");
+  add_images(1000, "in/Frames", "in/SegmentedDepth");
+  expect_samples(import("in", at_rate(30.0)), 1000);
+  add_file("in/depth_raw/0.png", encoded(import_depth(0, 1000)));
+  expect_rejected("in", "depthMatrices, depth_raw", at_rate(30.0));
 }
 
 /// Frame 1 is missing.
 TEST_F(ImportFolder, ReadsTimesAndIntrinsicsOfRecord3d) {
   for (int i = 0; i < import_frames; ++i) {
     const std::string name = std::to_string(i == 0 ? 0 : i + 1) + ".png";
-    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
+    add_file("in/rgb/" + name, encoded(import_color(i)));
+    add_file("in/depth/" + name, encoded(import_depth(i, 1000)));
   }
-  const fs::path metadata = folder_ / "in" / "metadata.json";
-  write_file(metadata, R"({"frameTimestamps": [0, 0.1, 0.2, 0.3, 0.5], "w": 8, "h": 6,
-                           "K": [7, 0, 0, 0, 7, 0, 4, 3, 1]})",
-             true);
+  add_file("in/metadata.json", R"({"frameTimestamps": [0, 0.1, 0.2, 0.3, 0.5], "w": 8, "h": 6,
+                                   "K": [7, 0, 0, 0, 7, 0, 4, 3, 1]})");
   const auto recording = import("in", {}).recording();
   const auto& time_s = recording.camera_times.host_time_s;
   ASSERT_EQ(time_s.size(), 4u);
   EXPECT_NEAR(time_s.back() - time_s.front(), 0.5, 1e-9);
   ASSERT_TRUE(recording.camera.color_camera);
   EXPECT_EQ(recording.camera.color_camera->cx, 4.0);
-  fs::remove(folder_ / "out.h5");
-  write_file(metadata, R"({"frameTimestamps": [0, 0.1], "author": "somebody"})", true);
+  add_file("in/metadata.json", R"({"frameTimestamps": [0, 0.1], "author": "somebody"})");
   expect_rejected("in", "have no times", {});
 }
 
 TEST_F(ImportFolder, PrefersRegisteredDepth) {
-  for (int i = 0; i < import_frames; ++i) {
-    const std::string name = std::to_string(i) + ".png";
-    write_file(folder_ / "in" / "color" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 500)), true);
-    write_file(folder_ / "in" / "aligned_depth_to_color" / name, encoded(import_depth(i, 1000)),
-               true);
-  }
-  const RecordingReader reader = import("in", at_30_hz());
+  add_images(500, "in/color");
+  add_images(1000, "in/color", "in/aligned_depth_to_color");
+  const RecordingReader reader = import("in", at_rate(30.0));
   expect_samples(reader, 1000);
   EXPECT_TRUE(reader.recording().camera.is_registered);
 }
 
 TEST_F(ImportFolder, NamesSourcesInsideAFolder) {
-  write_file(folder_ / "in" / "README.md", "a repository", true);
+  add_file("in/README.md", "a repository");
   expect_rejected("in", "give one of: TUM RGB-D folder");
   write_import_tum(folder_ / "in" / "second");
   write_import_tum(folder_ / "in" / "first");
@@ -138,14 +118,10 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
         {"intrinsic_color.txt", "7 0 4 0\n0 7 3 0\n0 0 1 0\n0 0 0 1\n", 1000},
         {"camera_matrix.csv", "7, 0, 4\n0, 7, 3\n0, 0, 1\n", 1000}}) {
     SCOPED_TRACE(c.file);
-    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
-    for (int i = 0; i < import_frames; ++i) {
-      const std::string name = std::to_string(i) + ".png";
-      write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
-      write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, c.counts_per_m)), true);
-    }
-    write_file(folder_ / "in" / c.file, c.text, true);
-    const RecordingReader reader = import("in", at_30_hz());
+    fs::remove_all(folder_ / "in");
+    add_images(c.counts_per_m);
+    add_file(std::string("in/") + c.file, c.text);
+    const RecordingReader reader = import("in", at_rate(30.0));
     expect_samples(reader, c.counts_per_m);
     const auto& camera = reader.recording().camera.color_camera;
     ASSERT_TRUE(camera);
@@ -156,129 +132,91 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
 }
 
 TEST_F(ImportFolder, LensDistortionHasManyNames) {
-  for (int i = 0; i < import_frames; ++i) {
-    const std::string name = std::to_string(i) + ".png";
-    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
-  }
+  add_images();
   for (const char* distortion :
        {R"("dist_coeffs": [[0.1, 0.2, 0.01, 0.02, 0.3]])",
         R"("dist_coeff": [0.1, 0.2, 0.01, 0.02, 0.3])",
         R"("distortion_coefficients": {"data": [0.1, 0.2, 0.01, 0.02, 0.3]})",
         R"("k1": 0.1, "k2": 0.2, "p1": 0.01, "p2": 0.02, "k3": 0.3)"}) {
-    write_file(folder_ / "in" / "intrinsics.json",
-               fmt::format(R"({{"fx": 7, "fy": 7, "cx": 4, "cy": 3, {}}})", distortion), true);
-    fs::remove(folder_ / "out.h5");
-    const auto camera = import("in", at_30_hz()).recording().camera.color_camera;
+    add_file("in/intrinsics.json",
+             fmt::format(R"({{"fx": 7, "fy": 7, "cx": 4, "cy": 3, {}}})", distortion));
+    const auto camera = import("in", at_rate(30.0)).recording().camera.color_camera;
     ASSERT_TRUE(camera);
     EXPECT_EQ(camera->distortion[4], 0.3) << distortion;
   }
 }
 
 TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
-  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
-  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
+  add_images();
   for (const char* text : {"lens: {focal_length: 7}\n", "7\n", "a: [\n", "fx: {a: 1}\nfy: 1\n",
                            "depth: {fx: 7, fy: 7, cx: 4, cy: 3}\n"}) {
     SCOPED_TRACE(text);
-    write_file(folder_ / "in" / "camera.yaml", text, true);
-    try {
-      import("in", at_30_hz());
-      ADD_FAILURE() << "was read";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data);
-      const std::string message = error.what();
-      EXPECT_NE(message.find("camera.yaml"), std::string::npos) << message;
-      EXPECT_EQ(message.find("json.exception"), std::string::npos) << message;
-    }
+    add_file("in/camera.yaml", text);
+    const std::string message = expect_rejected("in", "camera.yaml", at_rate(30.0), ExitCode::data);
+    EXPECT_EQ(message.find("json.exception"), std::string::npos) << message;
   }
 }
 
 TEST_F(ImportFolder, NamesCalibrationsInXml) {
-  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
-  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
-  write_file(folder_ / "camera.xml", "<?xml version=\"1.0\"?>\n<opencv_storage/>\n", true);
-  ImportOptions options = at_30_hz();
+  add_images();
+  add_file("camera.xml", "<?xml version=\"1.0\"?>\n<opencv_storage/>\n");
+  ImportOptions options = at_rate(30.0);
   options.camera.camera_info = (folder_ / "camera.xml").string();
   expect_rejected("in", "camera.xml is XML, which is not read", options);
 }
 
 TEST_F(ImportFolder, SaysHowToConvertListsAndOtherFiles) {
-  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
-  write_file(folder_ / "in" / "rgb.mp4", "a video", true);
-  expect_rejected("in", "ffmpeg -i " + (folder_ / "in" / "rgb.mp4").string(), at_30_hz());
-  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
-  write_file(folder_ / "in" / "associations.txt", "0.5 rgb/0.png 0.5 depth/0.png\n", true);
+  add_file("in/depth/0.png", encoded(import_depth(0, 1000)));
+  add_file("in/rgb.mp4", "a video");
+  expect_rejected("in", "ffmpeg -i " + (folder_ / "in" / "rgb.mp4").string(), at_rate(30.0));
+  add_file("in/rgb/0.png", encoded(import_color(0)));
+  add_file("in/associations.txt", "0.5 rgb/0.png 0.5 depth/0.png\n");
   expect_rejected("in", "awk '{print $3, $4}' associations.txt > depth.txt");
   fs::remove(folder_ / "in" / "depth" / "0.png");
-  write_file(folder_ / "in" / "depth" / "0.exr", "v/1", true);
-  expect_rejected("in", "OpenEXR, which is not read", at_30_hz());
+  add_file("in/depth/0.exr", "v/1");
+  expect_rejected("in", "OpenEXR, which is not read", at_rate(30.0));
 }
 
 TEST_F(ImportFolder, WarnsOfDistantScenes) {
-  for (int i = 0; i < import_frames; ++i) {
-    const std::string name = fmt::format("{}.png", i);
-    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 9000)), true);  // of 0.1 mm
-  }
-  const auto warnings = [&](double counts_per_m) {
-    ImportOptions options = at_30_hz();
-    options.camera.depth_scale = counts_per_m;
-    ::testing::internal::CaptureStderr();
-    import("in", options);
-    return ::testing::internal::GetCapturedStderr();
-  };
-  const std::string text = warnings(0.0);
-  EXPECT_NE(text.find("the median depth is 9 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("10000 (median 0.90 m)"), std::string::npos) << text;
-  EXPECT_EQ(warnings(1000.0).find("median depth"), std::string::npos);
+  add_images(9000);  // of 0.1 mm
+  ImportOptions options = at_rate(30.0);
+  import("in", options);
+  EXPECT_TRUE(warns_of("the median depth is 9 m")) << warnings_;
+  EXPECT_TRUE(warns_of("10000 (median 0.90 m)")) << warnings_;
+  options.camera.depth_scale = 1000.0;
+  import("in", options);
+  EXPECT_FALSE(warns_of("median depth")) << warnings_;
 }
 
 TEST_F(ImportFolder, RefusesEqualTimes) {
-  for (int i = 0; i < import_frames; ++i) {
-    const std::string name = fmt::format("{}.png", i);
-    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
-  }
-  write_file(folder_ / "in" / "times.txt", "5\n5\n5\n5\n", true);
+  add_images();
+  add_file("in/times.txt", "5\n5\n5\n5\n");
   expect_rejected("in", "all 4 colour images have the time 5 s");
 }
 
+const fs::path matlab_files = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";
+
 /// Files of scipy.io.savemat. The image is import_depth(3).
 TEST_F(ImportFolder, ReadsMatlabFiles) {
-  const fs::path data = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";
   for (const auto& [name, counts_per_m] :
        {std::pair{"uint16_compressed", 1000}, {"double_counts", 1000}, {"single_metres", 4000}}) {
     SCOPED_TRACE(name);
-    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
-    write_file(folder_ / "in" / "rgb_3.png", encoded(import_color(3)), true);
-    fs::copy_file(data / (std::string(name) + ".mat"), folder_ / "in" / "rgb_3.mat");
-    const RgbdFrame frame = import("in", at_30_hz()).read_camera_frame(0);
+    fs::remove_all(folder_ / "in");
+    add_file("in/rgb_3.png", encoded(import_color(3)));
+    fs::copy_file(matlab_files / (std::string(name) + ".mat"), folder_ / "in" / "rgb_3.mat");
+    const RgbdFrame frame = import("in", at_rate(30.0)).read_camera_frame(0);
     EXPECT_EQ(frame.depth[0], counts_per_m);
     EXPECT_EQ(frame.depth[2 * import_width + 3], counts_per_m + 15 * counts_per_m / 1000);
   }
-  write_file(folder_ / "in" / "rgb_3.mat", "MATLAB 7.3 MAT-file" + std::string(200, ' '), true);
-  fs::remove(folder_ / "out.h5");
-  expect_rejected("in", "save it with -v7", at_30_hz());
+  add_file("in/rgb_3.mat", "MATLAB 7.3 MAT-file" + std::string(200, ' '));
+  expect_rejected("in", "save it with -v7", at_rate(30.0));
 }
 
 TEST_F(ImportFolder, SurvivesDamagedMatlabFiles) {
-  const fs::path data = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";
-  write_file(folder_ / "in" / "rgb_3.png", encoded(import_color(3)), true);
-  RandomStream random(1, "damaged MAT-files");
-  for (int i = 0; i < 200; ++i) {
-    std::string bytes =
-        read_file(data / (i % 2 ? "uint16_compressed.mat" : "double_counts.mat"), 1u << 20);
-    for (int j = 0; j < 1 + i % 4; ++j)
-      bytes[128 + random.below(bytes.size() - 128)] = static_cast<char>(random.below(256));
-    if (i % 3 == 0) bytes.resize(random.below(bytes.size()));
-    write_file(folder_ / "in" / "rgb_3.mat", bytes, true);
-    try {
-      import("in", at_30_hz());
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data) << error.what();
-    }
-  }
+  add_file("in/rgb_3.png", encoded(import_color(3)));
+  for (const char* name : {"uint16_compressed.mat", "double_counts.mat"})
+    expect_damage_survived("in/rgb_3.mat", read_file(matlab_files / name, 1u << 20), 100,
+                           at_rate(30.0), 128);
 }
 
 }  // namespace

@@ -5,40 +5,36 @@ namespace touchtrace {
 namespace {
 
 constexpr int num_rows = 40;
+const std::string taxel_names = ",0_0,0_1,1_0,1_1\n";
 
 TEST_F(ImportGlove, IrregularStampsCountNoMissingFrames) {
-  std::string table = "time_s,0_0,0_1,1_0,1_1\n";
-  for (int i = 0; i < num_rows; ++i)  // packets of two frames
-    table += fmt::format("{:.3f},5,6,7,{}\n", 0.02 * i + (i % 2 ? 0.0 : 0.01), i % 3);
-  testing::put(folder_ / "a.csv", table);
-  EXPECT_EQ(import_alone(alone("a.csv", 0, 0)).sequence.back(), std::uint64_t(num_rows - 1));
+  const auto row = [](int i) {  // packets of two frames
+    return fmt::format("{:.3f},5,6,7,{}\n", 0.02 * i + (i % 2 ? 0.0 : 0.01), i % 3);
+  };
+  EXPECT_EQ(import_alone(table("time_s" + taxel_names, row)).sequence.back(),
+            std::uint64_t(num_rows - 1));
 }
 
 TEST_F(ImportGlove, AUnitInTheNameIsNotQuestioned) {
   for (const auto& [name, interval_s] : {std::pair{"time_s", 5.0}, {"time", 0.005}}) {
-    std::string table = name + std::string(",0_0,0_1,1_0,1_1\n");
-    for (int i = 0; i < num_rows; ++i) table += fmt::format("{},5,6,7,{}\n", 5 * i, i % 3);
-    testing::put(folder_ / "a.csv", table);
-    EXPECT_NEAR(import_alone(alone("a.csv", 0, 0)).host_time_s[1], interval_s, 1e-9) << name;
+    const auto row = [](int i) { return fmt::format("{},5,6,7,{}\n", 5 * i, i % 3); };
+    const GloveStream stream = import_alone(table(name + taxel_names, row));
+    EXPECT_NEAR(stream.host_time_s[1], interval_s, 1e-9) << name;
   }
 }
 
 TEST_F(ImportGlove, AWrongStampCostsOneFrame) {
-  std::string table = "time_us,0_0,0_1,1_0,1_1\n";
-  for (int i = 0; i < num_rows; ++i)
-    table += fmt::format("{},5,6,7,{}\n", i == 20 ? 900'000'000 : 20'000 * i, i % 3);
-  testing::put(folder_ / "a.csv", table);
-  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  const GloveStream stream = import_alone(table("time_us" + taxel_names, [](int i) {
+    return fmt::format("{},5,6,7,{}\n", i == 20 ? 900'000'000 : 20'000 * i, i % 3);
+  }));
   EXPECT_EQ(stream.frames(), std::size_t(num_rows - 1));
   EXPECT_NEAR(stream.host_time_s.back(), 0.02 * (num_rows - 1), 1e-9);
 }
 
 TEST_F(ImportGlove, LostFramesOfATableWithoutTimesTakeTime) {
-  std::string table = "sequence,0_0,0_1,1_0,1_1\n";
-  for (int i = 0; i < num_rows; ++i)
-    if (i % 10 != 4) table += fmt::format("{},5,6,7,{}\n", 100 + i, i % 3);
-  testing::put(folder_ / "a.csv", table);
-  auto options = alone("a.csv", 0, 0);
+  auto options = table("sequence" + taxel_names, [](int i) {
+    return i % 10 == 4 ? "" : fmt::format("{},5,6,7,{}\n", 100 + i, i % 3);
+  });
   options.source.rate_hz = 50.0;
   const GloveStream stream = import_alone(options);
   EXPECT_NEAR(stream.host_time_s.back(), 0.02 * (num_rows - 1), 1e-9);
@@ -46,13 +42,10 @@ TEST_F(ImportGlove, LostFramesOfATableWithoutTimesTakeTime) {
 }
 
 TEST_F(ImportGlove, SwappedRowsAreSorted) {
-  std::string table = "time_ms,0_0,0_1,1_0,1_1\n";
-  for (int i = 0; i < num_rows; ++i) {
+  const GloveStream stream = import_alone(table("time_ms" + taxel_names, [](int i) {
     const int row = i == 0 ? 1 : i == 1 ? 0 : i == 20 ? 21 : i == 21 ? 20 : i;
-    table += fmt::format("{},5,6,7,{}\n", 20 * row, row);
-  }
-  testing::put(folder_ / "a.csv", table);
-  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+    return fmt::format("{},5,6,7,{}\n", 20 * row, row);
+  }));
   ASSERT_EQ(stream.frames(), std::size_t(num_rows));
   for (const int row : {0, 1, 2, 19, 20, 21, 22}) {
     EXPECT_NEAR(stream.host_time_s[std::size_t(row)], 0.02 * row, 1e-9);
@@ -62,12 +55,10 @@ TEST_F(ImportGlove, SwappedRowsAreSorted) {
 
 TEST_F(ImportGlove, ACounterOfMicrosecondsMayStartAgain) {
   for (const char* name : {"time_us", "time"}) {
-    std::string table = name + std::string(",0_0,0_1,1_0,1_1\n");
-    for (int i = 0; i < num_rows; ++i)
-      table += fmt::format("{},5,6,7,{}\n", (4'294'900'000u + 20'000u * unsigned(i)) % (1ull << 32),
-                           i % 3);
-    testing::put(folder_ / "a.csv", table);
-    const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+    const GloveStream stream = import_alone(table(name + taxel_names, [](int i) {
+      return fmt::format("{},5,6,7,{}\n", (4'294'900'000u + 20'000u * unsigned(i)) % (1ull << 32),
+                         i % 3);
+    }));
     EXPECT_EQ(stream.frames(), std::size_t(num_rows)) << name;
     EXPECT_NEAR(stream.info.rate_hz, 50.0, 1e-3) << name;
   }

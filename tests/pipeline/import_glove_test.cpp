@@ -45,13 +45,11 @@ TEST_F(ImportGlove, NumpyAndTablesHaveTheSameFrames) {
   expect_counts(glove(with_layout(with_glove("flat.npz"))), 300);
   expect_counts(glove(with_layout(with_glove("plain.csv"))), 300);
   expect_counts(glove(with_layout(with_glove("named.csv"))), 300);
-  fs::remove(folder_ / "out.h5");
   expect_glove_rejected(with_glove("plain.csv"), "give --rows and --cols");
 }
 
 TEST_F(ImportGlove, AnArchiveWithoutTimesNeedsARate) {
   auto options = with_glove("timeless.npz");
-  fs::remove(folder_ / "out.h5");
   expect_glove_rejected(options, "has no array time_s");
   options.source.rate_hz = 20.0;
   expect_counts(import_alone(options), 300);
@@ -67,9 +65,7 @@ TEST_F(ImportGlove, OptionsReplaceEstimates) {
   auto options = with_glove("wiresens.hdf5");
   options.glove.bits = 14, options.glove.polarity = 1, options.glove.baseline_counts = 7.0;
   options.glove.offset_s = 3600.0;
-  import_recording({}, folder_ / "out.h5", options,
-                   start_provenance("touchtrace/recording/2", "import"), true);
-  const RecordingReader reader(folder_ / "out.h5");
+  const RecordingReader reader = import({}, options);
   const GloveStream& stream = reader.recording().gloves.at(0);
   EXPECT_EQ(stream.info.bits, 14);
   EXPECT_EQ(stream.info.polarity, 1);
@@ -130,13 +126,11 @@ TEST_F(ImportGlove, PolarityIsLearntAlsoIfTheGloveIsSqueezedInHalfOfTheTimeAtRes
 }
 
 TEST_F(ImportGlove, UnclearPolarityIsRefused) {
-  std::string table = "time_s,a,b,c,d\n";  // when squeezed, two taxels rise and two fall
-  for (int i = 0; i < 120; ++i) {
-    const int change = i < 60 ? 0 : 50;
-    table += fmt::format("{},{},{},{},{}\n", glove_start_s + 0.05 * i, 500 + change, 500 - change,
-                         500 + change, 500 - change);
-  }
-  testing::put(folder_ / "a.csv", table);
+  const auto row = [](int i) {  // when squeezed, two taxels rise and two fall
+    const int high = i < 60 ? 500 : 550, low = 1000 - high;
+    return fmt::format("{},{},{},{},{}\n", glove_start_s + 0.05 * i, high, low, high, low);
+  };
+  table("time_s,a,b,c,d\n", row, 0, 0, 120);
   expect_glove_rejected(with_glove("a.csv"), "the polarity of the glove is not clear");
   auto options = with_glove("wiresens.hdf5");
   options.glove.rest_s = 0.5;

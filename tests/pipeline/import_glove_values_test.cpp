@@ -16,7 +16,6 @@ TEST_F(ImportGlove, NumpyArraysMayHaveAnyOrderOfBytesAndAxes) {
   expect_counts(glove(with_glove("dates.npz")), 300);
   const GloveStream half = glove(with_glove("half.npz"));
   for (int i = 0; i < taxels; ++i) EXPECT_EQ(half.counts[std::size_t(i)], glove_count(0, i) - 2000);
-  fs::remove(folder_ / "out.h5");
   expect_glove_rejected(with_glove("single.npy"), "numpy.savez");
 }
 
@@ -25,14 +24,12 @@ TEST_F(ImportGlove, FramesMayBeOfAnyAxis) {
   for (const char* name : {"last.npz", "middle.npz"}) {
     auto options = with_layout(with_glove(name));
     options.source.rate_hz = 20.0;
-    fs::remove(folder_ / "out.h5");
     const GloveStream stream = import_alone(options);
     ASSERT_EQ(stream.frames(), 300u) << name;
     for (int frame : {0, 1, 299})
       for (int i = 0; i < taxels; ++i)
         EXPECT_EQ(stream.counts[std::size_t(frame * taxels + i)], glove_count(frame, i));
     options.glove.layout.rows = options.glove.layout.cols = 0;
-    fs::remove(folder_ / "out.h5");
     expect_glove_rejected(options, "give --rows and --cols");
   }
 }
@@ -61,11 +58,10 @@ TEST_F(ImportGlove, RecordingOfAMatlabFileMayHaveFramesLast) {
 
 TEST_F(ImportGlove, ValuesWithFractionsAreScaledTo16Bits) {
   const auto counts = [&](double low, double high, double baseline) {
-    std::string table = "time_s,a,b\n";
-    for (int i = 0; i < 60; ++i)
-      table += fmt::format("{},{:.5f},{:.5f}\n", 0.05 * i, low, low + (high - low) * i / 59);
-    testing::put(folder_ / "a.csv", table);
-    auto options = alone("a.csv", 1, 2);
+    const auto row = [&](int i) {
+      return fmt::format("{},{:.5f},{:.5f}\n", 0.05 * i, low, low + (high - low) * i / 59);
+    };
+    auto options = table("time_s,a,b\n", row, 1, 2, 60);
     options.glove.baseline_counts = baseline;
     return import_alone(options);
   };
@@ -93,10 +89,8 @@ TEST_F(ImportGlove, ContactsAreFullScale) {
 
 TEST_F(ImportGlove, NamesOfColumnsTellTheTaxels) {
   const auto import_names = [&](const std::string& names) {
-    std::string table = "time_s," + names + "\n";
-    for (int i = 0; i < 60; ++i) table += fmt::format("{},10,20,30,40,50,60\n", 0.05 * i);
-    testing::put(folder_ / "a.csv", table);
-    return alone("a.csv", 0, 0);
+    return table("time_s," + names + "\n",
+                 [](int i) { return fmt::format("{},10,20,30,40,50,60\n", 0.05 * i); });
   };
   const auto first_frame = [&](const std::string& names) {
     const GloveStream stream = import_alone(import_names(names));
@@ -109,7 +103,6 @@ TEST_F(ImportGlove, NamesOfColumnsTellTheTaxels) {
             in_order);
   EXPECT_EQ(first_frame("counts_0_0,counts_1_0,counts_2_0,counts_0_1,counts_1_1,counts_2_1"),
             by_columns);
-  fs::remove(folder_ / "out.h5");
   expect_glove_rejected(import_names("0_0,0_1,1_0,1_1,2_0,3_1"), "has no column '2_1'");
   expect_glove_rejected(import_names("0_0,0_1,1_0,1_1,2_0,2_0"), "has two columns '2_0'");
   auto options = import_names("0_0,0_1,1_0,1_1,2_0,2_1");
@@ -119,10 +112,8 @@ TEST_F(ImportGlove, NamesOfColumnsTellTheTaxels) {
 
 TEST_F(ImportGlove, UnitOfStampsIsThatOfAPlausibleRate) {
   const auto with_stamps = [&](double first, double step, const char* name) {
-    std::string table = fmt::format("{},a\n", name);
-    for (int i = 0; i < 60; ++i) table += fmt::format("{:.0f},5\n", first + step * i);
-    testing::put(folder_ / "a.csv", table);
-    return alone("a.csv", 1, 1);
+    const auto row = [&](int i) { return fmt::format("{:.0f},5\n", first + step * i); };
+    return table(fmt::format("{},a\n", name), row, 1, 1, 60);
   };
   const auto rate_hz = [&](double first, double step) {
     const GloveStream stream = import_alone(with_stamps(first, step, "timestamp"));
@@ -135,35 +126,31 @@ TEST_F(ImportGlove, UnitOfStampsIsThatOfAPlausibleRate) {
   EXPECT_NEAR(rate_hz(1.7e18, 5e7), 20.0, 1e-3);
   EXPECT_NEAR(rate_hz(3e6, 1.0), 1.0, 1e-3) << "s since the start, over 10^6 s ago";
   EXPECT_NO_THROW(RecordingReader(folder_ / "out.h5"));
-  fs::remove(folder_ / "out.h5");
   expect_glove_rejected(with_stamps(0.0, 1e11, "timestamp"), "name it with its unit");
   expect_glove_rejected(with_stamps(7.0, 0.0, "timestamp"), "span 0 s");
 }
 
 TEST_F(ImportGlove, FramesThatShareAStampAreSpread) {
-  std::string table = "time_s,a\n";  // 20 Hz, whole seconds, from the middle of a second on
-  for (int i = 10; i < 110; ++i) table += fmt::format("{},5\n", 1700000000 + i / 20);
-  testing::put(folder_ / "a.csv", table);
-  const GloveStream stream = import_alone(alone("a.csv", 1, 1));
+  const auto row = [](int i) {  // 20 Hz, whole seconds, from the middle of a second on
+    return fmt::format("{},5\n", 1700000000 + (i + 10) / 20);
+  };
+  const GloveStream stream = import_alone(table("time_s,a\n", row, 1, 1, 100));
   EXPECT_NEAR(stream.info.rate_hz, 20.0, 1e-6);
   for (std::size_t i = 1; i < 100; ++i)
     EXPECT_NEAR(stream.host_time_s[i] - stream.host_time_s[i - 1], 0.05, 1e-6);
 }
 
 TEST_F(ImportGlove, DatesInATableAreTimes) {
-  std::string table = "timestamp,a\n";
-  for (int i = 0; i < 60; ++i)
-    table += fmt::format("2023-11-14T22:13:{:02}.{}+00:00,5\n", 20 + i / 2, i % 2 * 5);
-  testing::put(folder_ / "a.csv", table);
-  EXPECT_NEAR(import_alone(alone("a.csv", 1, 1)).info.rate_hz, 2.0, 1e-6);
+  const auto row = [](int i) {
+    return fmt::format("2023-11-14T22:13:{:02}.{}+00:00,5\n", 20 + i / 2, i % 2 * 5);
+  };
+  EXPECT_NEAR(import_alone(table("timestamp,a\n", row, 1, 1, 60)).info.rate_hz, 2.0, 1e-6);
   EXPECT_NEAR(RecordingReader(folder_ / "out.h5").recording().epoch_unix_s, glove_start_s, 1e-5);
 }
 
 TEST_F(ImportGlove, EpochOfATableIsKept) {
-  std::string table = "time_s,epoch_unix_s,counts_0_0\n";
-  for (int i = 0; i < 60; ++i) table += fmt::format("{},{},5\n", 0.05 * i - 0.25, glove_start_s);
-  testing::put(folder_ / "a.csv", table);
-  const auto options = alone("a.csv", 1, 1);
+  const auto row = [](int i) { return fmt::format("{},{},5\n", 0.05 * i - 0.25, glove_start_s); };
+  const auto options = table("time_s,epoch_unix_s,counts_0_0\n", row, 1, 1, 60);
   EXPECT_EQ(import_alone(options).host_time_s[0], -0.25);
   EXPECT_EQ(RecordingReader(folder_ / "out.h5").recording().epoch_unix_s, glove_start_s);
   write_import_tum(folder_ / "tum");
@@ -171,11 +158,8 @@ TEST_F(ImportGlove, EpochOfATableIsKept) {
 }
 
 TEST_F(ImportGlove, ExportedNumbersAreReadBack) {
-  std::string table = "time_s,sequence,counts_0_0\n";
-  for (int i = 0; i < 60; ++i)
-    if (i != 30) table += fmt::format("{},{},5\n", 0.05 * i, 100 + i);
-  testing::put(folder_ / "a.csv", table);
-  const GloveStream stream = import_alone(alone("a.csv", 1, 1));
+  const auto row = [](int i) { return i == 30 ? "" : fmt::format("{},{},5\n", 0.05 * i, 100 + i); };
+  const GloveStream stream = import_alone(table("time_s,sequence,counts_0_0\n", row, 1, 1, 60));
   EXPECT_EQ(stream.sequence[30] - stream.sequence[29], 2u);
   EXPECT_EQ(RecordingReader(folder_ / "out.h5").recording().clips.size(), 1u);
   testing::put(folder_ / "a.csv", "time_s,sequence,a\n0,7,1\n0.1,7,1\n0.2,8,1\n0.3,8,1\n");

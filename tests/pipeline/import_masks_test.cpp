@@ -1,9 +1,9 @@
 // Masks and intrinsics that do not fit the images.
 #include "pipeline/acquire/import/masks.h"
-#include "pipeline/cli/commands.h"
 #include "pipeline/recording/check.h"
 #include "pipeline/recording/intrinsics_check.h"
 #include "tests/pipeline/import_samples.h"
+#include "tests/support/command_line.h"
 
 namespace touchtrace {
 namespace {
@@ -12,27 +12,21 @@ class ImportMasks : public Import {
  protected:
   void SetUp() override {
     Import::SetUp();
-    for (int i = 0; i < import_frames; ++i) {
-      write_file(folder_ / "in" / "rgb" / fmt::format("{}.png", i), encoded(import_color(i)), true);
-      write_file(folder_ / "in" / "depth" / fmt::format("{}.png", i),
-                 encoded(import_depth(i, 1000)), true);
-    }
-    options_.source.rate_hz = 30.0;
+    add_images();
     options_.masks = (folder_ / "masks").string();
   }
   void write_mask(const std::string& name, int value) {
     cv::Mat mask(import_height, import_width, CV_8UC1, cv::Scalar(0));
     mask.at<std::uint8_t>(0, 2) = static_cast<std::uint8_t>(value);
-    write_file(folder_ / "masks" / name, encoded(mask), true);
+    add_file("masks/" + name, encoded(mask));
   }
-  /// What the import prints with --quiet.
-  std::string output() {
-    ::testing::internal::CaptureStderr();
+  /// Whether the import warns of `text`.
+  bool import_warns_of(const std::string& text) {
     import("in", options_);
-    return ::testing::internal::GetCapturedStderr();
+    return warns_of(text);
   }
 
-  ImportOptions options_;
+  ImportOptions options_ = at_rate(30.0);
 };
 
 bool has(const std::string& text, const std::string& part) {
@@ -47,18 +41,17 @@ TEST_F(ImportMasks, NameTheInstancesIfNoneIsHandOrObject) {
   palette.at<cv::Vec3b>(0, 2) = {0, 128, 128};  // palette index 3
   palette.at<cv::Vec3b>(0, 3) = {7, 7, 7};
   fs::remove_all(folder_ / "masks");
-  write_file(folder_ / "masks" / "0.png", encoded(palette), true);
+  add_file("masks/0.png", encoded(palette));
   expect_rejected("in", "found: other colours, 0, 3", options_);
 }
 
 TEST_F(ImportMasks, MayBeGreyOrOfOneBody) {
   cv::Mat grey(import_height, import_width, CV_8UC3, cv::Scalar(0, 0, 0));
   grey.at<cv::Vec3b>(0, 2) = {255, 255, 255};
-  write_file(folder_ / "masks" / "0.png", encoded(grey), true);
+  add_file("masks/0.png", encoded(grey));
   options_.mask_ids.object = 255;
   EXPECT_EQ(import("in", options_).read_camera_frame(0).mask.at(2), mask_object);
   fs::remove_all(folder_ / "masks");
-  fs::remove(folder_ / "out.h5");
   write_mask("object/0.png", 9);
   EXPECT_EQ(import("in", options_).read_camera_frame(0).mask.at(2), mask_object);
 }
@@ -66,23 +59,21 @@ TEST_F(ImportMasks, MayBeGreyOrOfOneBody) {
 TEST_F(ImportMasks, WarnIfOneBodyIsMissing) {
   write_mask("0.png", 35);
   options_.mask_ids.hand = 35;
-  EXPECT_TRUE(
-      has(output(),
-          "warning: the masks show the hand only: none has the id 2 of the object (--object-id)"));
+  EXPECT_TRUE(import_warns_of(
+      "warning: the masks show the hand only: none has the id 2 of the object (--object-id)"));
 }
 
 TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {
   write_mask("0.png", 1), write_mask("1.png", 2);
-  EXPECT_FALSE(has(output(), "warning: 2 of"));
+  EXPECT_FALSE(import_warns_of("warning: 2 of"));
   write_mask("17.png", 1), write_mask("18.png", 2);
-  EXPECT_TRUE(has(output(),
-                  "warning: 2 of 4 masks are skipped: no colour image has the name of 17.png, .. "
-                  "18.png"));
+  EXPECT_TRUE(import_warns_of(
+      "warning: 2 of 4 masks are skipped: no colour image has the name of 17.png, .. 18.png"));
 }
 
 TEST_F(ImportMasks, OfAnotherSizeAreRefused) {
   for (const char* name : {"0.png", "1.png"})
-    write_file(folder_ / "masks" / name, encoded(cv::Mat(2, 3, CV_8UC1, cv::Scalar(1))), true);
+    add_file(fmt::format("masks/{}", name), encoded(cv::Mat(2, 3, CV_8UC1, cv::Scalar(1))));
   expect_rejected("in", "2 of 2 masks cannot be used", options_);
 }
 
@@ -102,10 +93,9 @@ TEST_F(ImportMasks, MayHaveOtherLeadingZeros) {
 TEST_F(ImportMasks, MayHaveAFileForEachBody) {
   cv::Mat hand(import_height, import_width, CV_8UC1, cv::Scalar(0)), object = hand.clone();
   hand.at<std::uint8_t>(0, 2) = 255, object.at<std::uint8_t>(1, 3) = 1;
-  write_file(folder_ / "masks" / "hand" / "0.png", encoded(hand), true);
-  write_file(folder_ / "masks" / "object" / "0.png", encoded(object), true);
-  output();
-  const auto masks = RecordingReader(folder_ / "out.h5").read_mask(0);
+  add_file("masks/hand/0.png", encoded(hand));
+  add_file("masks/object/0.png", encoded(object));
+  const auto masks = import("in", options_).read_mask(0);
   EXPECT_EQ(masks.at(2), mask_hand);
   EXPECT_EQ(masks.at(import_width + 3), mask_object);
   EXPECT_EQ(std::ranges::count(masks, mask_other), std::ptrdiff_t(masks.size() - 2));
@@ -114,21 +104,20 @@ TEST_F(ImportMasks, MayHaveAFileForEachBody) {
 TEST_F(ImportMasks, OfBodiesMayHaveSixteenBits) {
   cv::Mat hand(import_height, import_width, CV_16UC1, cv::Scalar(0));
   hand.at<std::uint16_t>(0, 2) = 1;
-  write_file(folder_ / "masks" / "hand" / "0.png", encoded(hand), true);
-  output();
-  EXPECT_EQ(RecordingReader(folder_ / "out.h5").read_mask(0).at(2), mask_hand);
+  add_file("masks/hand/0.png", encoded(hand));
+  EXPECT_EQ(import("in", options_).read_mask(0).at(2), mask_hand);
 }
 
 TEST_F(ImportMasks, MayNotAllBeEmpty) {
   const cv::Mat empty(import_height, import_width, CV_8UC1, cv::Scalar(0));
-  write_file(folder_ / "masks" / "hand" / "0.png", encoded(empty), true);
+  add_file("masks/hand/0.png", encoded(empty));
   expect_rejected("in", "all pixels of all masks are 0", options_);
 }
 
 TEST_F(ImportMasks, AreNotNeededForAWarningOfIntrinsics) {
   options_.masks.clear();
-  write_file(folder_ / "in" / "K.txt", "14 0 8\n0 14 6\n0 0 1\n", true);  // of 16x12
-  EXPECT_TRUE(has(output(), "images of about 16 x 12 pixels, before scaling"));
+  add_file("in/K.txt", "14 0 8\n0 14 6\n0 0 1\n");  // of 16x12
+  EXPECT_TRUE(import_warns_of("images of about 16 x 12 pixels, before scaling"));
   const auto check = check_file(folder_ / "out.h5", true);
   ASSERT_EQ(check.warnings.size(), 1u);
   EXPECT_TRUE(has(check.warnings[0], "principal point (8.0, 6.0) is far from the centre"));
@@ -146,17 +135,14 @@ TEST(IntrinsicsCheck, AcceptsCroppedImagesAndRejectsOtherUnits) {
 TEST_F(ImportMasks, CommandsReadAMatrixAsCalibration) {
   options_.masks.clear();
   import("in", options_);
-  write_file(folder_ / "matrix.txt", "7 0 4\n0 7 3\n0 0 1\n", true);
+  add_file("matrix.txt", "7 0 4\n0 7 3\n0 0 1\n");
   const std::string file = folder_ / "out.h5", matrix = folder_ / "matrix.txt",
                     labels = folder_ / "labels.h5";
-  for (const std::vector<const char*>& arguments :
-       {std::vector<const char*>{"touchtrace", "check", file.c_str(), "--calibration",
-                                 matrix.c_str()},
-        {"touchtrace", "label", file.c_str(), "--calibration", matrix.c_str(), "--output",
-         labels.c_str()}}) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"check", file, "--calibration", matrix},
+        {"label", file, "--calibration", matrix, "--output", labels}}) {
     ::testing::internal::CaptureStderr(), ::testing::internal::CaptureStdout();
-    cli::run_command_line(cli::touchtrace_program(), static_cast<int>(arguments.size()),
-                          arguments.data());
+    testing::run_touchtrace(arguments);
     const std::string text =
         ::testing::internal::GetCapturedStderr() + ::testing::internal::GetCapturedStdout();
     EXPECT_TRUE(has(text, "neither boxes nor masks")) << text;

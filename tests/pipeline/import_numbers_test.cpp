@@ -7,25 +7,15 @@ namespace {
 
 class ImportNumbers : public Import {
  protected:
-  void write_images(const char* kind, const std::vector<int>& numbers) {
+  void write_images(const std::string& kind, const std::vector<int>& numbers,
+                    const std::string& prefix = {}) {
     for (const int number : numbers)
-      write_file(folder_ / "in" / kind / fmt::format("{:06}.png", number),
-                 encoded(kind[0] == 'r' ? import_color(0) : import_depth(0, 1000)), true);
-  }
-  static ImportOptions at(double rate_hz) {
-    ImportOptions options;
-    options.source.rate_hz = rate_hz;
-    return options;
+      add_file(fmt::format("in/{}/{}{:06}.png", kind, prefix, number),
+               encoded(kind == "rgb" ? import_color(0) : import_depth(0, 1000)));
   }
   CameraTimes import_times(double rate_hz = 30.0) {
-    ::testing::internal::CaptureStderr();
-    const RecordingReader reader = import("in", at(rate_hz));
-    warnings_ = ::testing::internal::GetCapturedStderr();
-    return reader.recording().camera_times;
+    return import("in", at_rate(rate_hz)).recording().camera_times;
   }
-  bool warns_of(const std::string& text) const { return warnings_.find(text) != std::string::npos; }
-
-  std::string warnings_;
 };
 
 using Numbers = std::vector<std::uint64_t>;
@@ -42,8 +32,8 @@ TEST_F(ImportNumbers, EqualNumbersArePairedAndOthersNamed) {
 
 TEST_F(ImportNumbers, FoldersWithoutCommonNumbersAreRefused) {
   write_images("rgb", {620, 621, 622}), write_images("depth", {0, 1, 2});
-  expect_rejected("in", "no depth image has a colour image at its time", at(30.0));
-  expect_rejected("in", "numbers 620 to 622 and 0 to 2", at(30.0));
+  expect_rejected("in", "no depth image has a colour image at its time", at_rate(30.0));
+  expect_rejected("in", "numbers 620 to 622 and 0 to 2", at_rate(30.0));
 }
 
 TEST_F(ImportNumbers, MissingImagesAreLostFrames) {
@@ -130,20 +120,15 @@ TEST_F(ImportNumbers, AListMayCountItsLines) {
         {"0 0.01\n1 0.01\n2 0.01\n", 2.0},           // times, exposures
         {"0 a.png\n1 b.png\n2 c.png\n", 2.0}}) {
     testing::put(folder_ / "in" / "times.txt", list);
-    fs::remove(folder_ / "out.h5");
     const CameraTimes times = import_times(0.0);
     EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], duration_s, 1e-9) << list;
   }
 }
 
 TEST_F(ImportNumbers, ACounterBehindADateIsNoTimeIfThereIsARate) {
-  for (const char* kind : {"rgb", "depth"})
-    for (int i = 0; i < 3; ++i)
-      write_file(folder_ / "in" / kind / fmt::format("20240101_{:06}.png", i),
-                 encoded(kind[0] == 'r' ? import_color(0) : import_depth(0, 1000)), true);
+  for (const char* kind : {"rgb", "depth"}) write_images(kind, {0, 1, 2}, "20240101_");
   CameraTimes times = import_times(20.0);
   EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], 0.1, 1e-9);
-  fs::remove(folder_ / "out.h5");
   times = import_times(0.0);
   EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], 2.0, 1e-6);
 }

@@ -114,26 +114,19 @@ void write_images(const fs::path& folder, const Scene& scene) {
 
 TEST_F(Import, NamesTheDepthOffsetThatCorrectsADelay) {
   write_images(folder_ / "in", {.late_images = 1});
-  ImportOptions options;
-  options.source.rate_hz = 15.0;
-  ::testing::internal::CaptureStderr();
+  ImportOptions options = at_rate(15.0);
   import("in", options);
-  const std::string warning = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(
-      warning.find(
-          "later than colour images of the same time; `touchtrace import --depth-offset -0.0"),
-      std::string::npos)
-      << warning;
+  EXPECT_TRUE(
+      warns_of("later than colour images of the same time; `touchtrace import --depth-offset -0.0"))
+      << warnings_;
   options.camera.depth_offset_s = -1.0 / 15.0;
-  ::testing::internal::CaptureStderr();
   import("in", options);
-  EXPECT_EQ(::testing::internal::GetCapturedStderr().find("--depth-offset"), std::string::npos);
+  EXPECT_FALSE(warns_of("--depth-offset")) << warnings_;
 }
 
 /// A folder that does not say whether its depth is registered.
 TEST_F(Import, TakesDisplacedDepthAsNotRegistered) {
-  ImportOptions options;
-  options.source.rate_hz = 15.0;
+  ImportOptions options = at_rate(15.0);
   for (const int shift : {0, 20}) {
     write_images(folder_ / "in", {.shift_x = shift});
     EXPECT_EQ(import("in", options).recording().camera.is_registered, shift == 0);
@@ -154,8 +147,8 @@ void write_resized(const fs::path& folder, cv::Size depth_size, bool has_intrins
 }
 
 TEST_F(Import, RegisteredDepthOfAnotherSizeHasACameraOfItsOwn) {
-  ImportOptions options;
-  options.source.rate_hz = 30.0, options.camera.registered = true;
+  ImportOptions options = at_rate(30.0);
+  options.camera.registered = true;
   write_resized(folder_ / "a", {4, 3}, true);
   const CameraInfo camera = import("a", options).recording().camera;
   ASSERT_TRUE(camera.depth_camera && camera.depth_from_color);
@@ -170,8 +163,8 @@ TEST_F(Import, RegisteredDepthOfAnotherSizeHasACameraOfItsOwn) {
 }
 
 TEST_F(Import, RegisteredDepthOfAnotherSizeNeedsTheAspectRatioAndIntrinsics) {
-  ImportOptions options;
-  options.source.rate_hz = 30.0, options.camera.registered = true;
+  ImportOptions options = at_rate(30.0);
+  options.camera.registered = true;
   write_resized(folder_ / "aspect", {8, 3}, true);
   expect_rejected("aspect", "depth of 8x3 pixels, colour of 8x6", options);
   write_resized(folder_ / "unknown", {4, 3}, false);

@@ -5,12 +5,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
+#include "engine/base/random.h"
 #include "pipeline/acquire/import/import.h"
 #include "pipeline/recording/recording_file.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 
@@ -33,9 +34,9 @@ inline cv::Mat import_depth(int i, int per_m) {
   return image;
 }
 
-inline std::string encoded(const cv::Mat& image) {
+inline std::string encoded(const cv::Mat& image, const char* extension = ".png") {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
+  cv::imencode(extension, image, bytes);
   return {bytes.begin(), bytes.end()};
 }
 
@@ -63,25 +64,70 @@ inline void write_import_tum(const fs::path& folder, int per_m = 5000, double pe
   write_file(folder / "camera_info.yaml", import_info, true);
 }
 
+inline ImportOptions at_rate(double rate_hz) {
+  ImportOptions options;
+  options.source.rate_hz = rate_hz;
+  return options;
+}
+
+/// Stores what is written to stderr during its life in `text`.
+class CapturedStderr {
+ public:
+  explicit CapturedStderr(std::string& text) : text_(text) { ::testing::internal::CaptureStderr(); }
+  ~CapturedStderr() { text_ = ::testing::internal::GetCapturedStderr(); }
+  CapturedStderr(const CapturedStderr&) = delete;
+  CapturedStderr& operator=(const CapturedStderr&) = delete;
+
+ private:
+  std::string& text_;
+};
+
 /// Imports of small samples into a temporary folder.
 class Import : public ::testing::Test {
  protected:
   void SetUp() override { Progress::silence(); }
+  void add_file(const std::string& name, const std::string& bytes) {
+    write_file(folder_ / name, bytes, true);
+  }
+  /// Adds the images 0.png, 1.png, ... to two folders.
+  void add_images(int per_m = 1000, const std::string& rgb = "in/rgb",
+                  const std::string& depth = "in/depth") {
+    for (int i = 0; i < import_frames; ++i) {
+      add_file(fmt::format("{}/{}.png", rgb, i), encoded(import_color(i)));
+      add_file(fmt::format("{}/{}.png", depth, i), encoded(import_depth(i, per_m)));
+    }
+  }
+  /// Imports from scratch; without a source, a glove alone.
   RecordingReader import(const std::string& source, const ImportOptions& options = {}) {
-    summary_ = import_recording(folder_ / source, folder_ / "out.h5", options,
-                                start_provenance("touchtrace/recording/2", "import"), true);
+    fs::remove(folder_ / "out.h5");
+    const CapturedStderr captured(warnings_);
+    summary_ =
+        import_recording(source.empty() ? fs::path() : folder_ / source, folder_ / "out.h5",
+                         options, start_provenance("touchtrace/recording/2", "import"), false);
     return RecordingReader(folder_ / "out.h5");
   }
-  void expect_rejected(const std::string& source, const std::string& text,
-                       const ImportOptions& options = {}) {
-    try {
-      import(source, options);
-      ADD_FAILURE() << "accepted, instead of " << text;
-    } catch (const Error& error) {
-      EXPECT_NE((std::string(error.what()) + error.hint()).find(text), std::string::npos)
-          << error.what() << "; " << error.hint();
-    }
+  bool warns_of(const std::string& text) const { return warnings_.find(text) != std::string::npos; }
+  /// Returns the message.
+  std::string expect_rejected(const std::string& source, const std::string& text,
+                              const ImportOptions& options = {},
+                              std::optional<ExitCode> code = {}) {
+    const auto message = testing::expect_error([&] { import(source, options); }, text, code);
     EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
+    return message;
+  }
+  /// Imports the first part of the path `file` while bytes of that file, behind the first `kept`,
+  /// change at random.
+  void expect_damage_survived(const std::string& file, const std::string& bytes, int times,
+                              const ImportOptions& options = {}, std::size_t kept = 0) {
+    RandomStream random(1, file);
+    for (int i = 0; i < times; ++i) {
+      std::string damaged = bytes;
+      for (int j = 0; j < 1 + i % 5; ++j)
+        damaged[kept + random.below(bytes.size() - kept)] = static_cast<char>(random.below(256));
+      if (i % 3 == 0) damaged.resize(random.below(bytes.size()));
+      add_file(file, damaged);
+      testing::expect_read_or_refused([&] { import(*fs::path(file).begin(), options); });
+    }
   }
   /// Expects all frames of the samples above, at 30 Hz.
   void expect_samples(const RecordingReader& reader, int counts_at_1m) {
@@ -101,8 +147,21 @@ class Import : public ::testing::Test {
     EXPECT_GT(r.clips[0].end_s, r.camera_times.host_time_s[3]);
   }
 
+  /// Expects them with what a bag has besides images.
+  void expect_bag_samples(const RecordingReader& reader) {
+    expect_samples(reader, 1000);
+    const Recording& r = reader.recording();
+    EXPECT_TRUE(r.camera.is_registered);
+    ASSERT_TRUE(r.camera.color_camera);
+    EXPECT_EQ(r.camera.color_camera->fx, 7.0);
+    EXPECT_EQ(r.camera.color_camera->cy, 3.0);
+    EXPECT_NEAR(r.epoch_unix_s, import_start_s, 1e-6);
+    EXPECT_NEAR(r.camera_times.device_time_s[1] - r.camera_times.host_time_s[1], -0.25, 1e-6);
+  }
+
   TemporaryFolder folder_;
   nlohmann::json summary_;
+  std::string warnings_;  ///< of the last import
 };
 
 }  // namespace touchtrace

@@ -1,8 +1,8 @@
 // Image times that run backward.
 #include <numeric>
 
-#include "engine/base/random.h"
 #include "pipeline/acquire/time_order.h"
+#include "tests/export/python.h"
 #include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {
@@ -25,14 +25,8 @@ std::string warnings(const std::vector<double>& times_s, Order& order) {
   return ::testing::internal::GetCapturedStderr();
 }
 
-std::string fault(const std::vector<double>& times_s) {
-  try {
-    time_order(times_s, "list");
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    return error.what();
-  }
-  return "accepted";
+void expect_order_fault(const std::vector<double>& times_s, const std::string& fault) {
+  testing::expect_error([&] { time_order(times_s, "list"); }, fault + "; ");
 }
 
 TEST(TimeOrder, SaysNothingOfOrderedTimes) {
@@ -73,15 +67,15 @@ TEST(TimeOrder, RefusesAClockThatWasSetBack) {
   for (const double step_s : {0.15, 2.0, 3600.0}) {
     auto times_s = regular_times(60);
     for (std::size_t i = 20; i < 60; ++i) times_s[i] -= step_s;
-    EXPECT_EQ(fault(times_s),
-              fmt::format("list: the times of 1 of 60 images run backward, the clock was set back "
-                          "before image 21: {:.3f} s after {:.3f} s",
-                          times_s[20], times_s[19]));
+    expect_order_fault(times_s,
+                       fmt::format("list: the times of 1 of 60 images run backward, the clock "
+                                   "was set back before image 21: {:.3f} s after {:.3f} s",
+                                   times_s[20], times_s[19]));
   }
 }
 
 TEST(TimeOrder, RefusesTimesThatAreNotFinite) {
-  EXPECT_EQ(fault({1.0, std::nan("")}), "list: image 2 has the time nan");
+  expect_order_fault({1.0, std::nan("")}, "list: image 2 has the time nan");
 }
 
 class ImportTimeOrder : public Import {
@@ -90,12 +84,11 @@ class ImportTimeOrder : public Import {
   void write_images(const std::vector<double>& times_s) {
     std::string list;
     for (std::size_t i = 0; i < times_s.size(); ++i) {
-      const std::string name = fmt::format("{}.png", i);
-      write_file(folder_ / "in" / "rgb" / name, encoded(import_color(int(i))), true);
-      write_file(folder_ / "in" / "depth" / name, encoded(import_depth(int(i), 1000)), true);
+      add_file(fmt::format("in/rgb/{}.png", i), encoded(import_color(int(i))));
+      add_file(fmt::format("in/depth/{}.png", i), encoded(import_depth(int(i), 1000)));
       list += fmt::format("{:.6f}\n", times_s[i]);
     }
-    write_file(folder_ / "in" / "times.txt", list, true);
+    add_file("in/times.txt", list);
   }
 };
 
@@ -103,10 +96,8 @@ TEST_F(ImportTimeOrder, FolderIsSortedWithAWarning) {
   auto times_s = regular_times(12);
   std::swap(times_s[5], times_s[6]);
   write_images(times_s);
-  ::testing::internal::CaptureStderr();
   const RecordingReader reader = import("in");
-  const std::string text = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(text.find("rgb: the times of 1 of 12 images run backward"), std::string::npos) << text;
+  EXPECT_TRUE(warns_of("rgb: the times of 1 of 12 images run backward")) << warnings_;
   EXPECT_EQ(reader.read_camera_frame(5).color[3], 106);
 }
 
@@ -118,18 +109,13 @@ TEST_F(ImportTimeOrder, FolderOfAClockThatWasSetBackIsRefused) {
 }
 
 TEST_F(ImportTimeOrder, ArchiveIsSortedAndItsTimesMayBeMilliseconds) {
-  const std::string command =
-      "/usr/bin/python3 -c \"import numpy as np; c = np.zeros((12, 6, 8, 3), np.uint8); "
-      "c[:, 0, 1, 0] = 100 + np.arange(12); t = np.arange(12) * 33.0; t[[5, 6]] = t[[6, 5]]; "
-      "np.savez('" +
-      (folder_ / "in.npz").string() +
-      "', color=c, depth=np.full((12, 6, 8), 1000, np.uint16), timestamps=t)\"";
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  ::testing::internal::CaptureStderr();
+  testing::expect_python(
+      folder_.path(),
+      "c = np.zeros((12, 6, 8, 3), np.uint8)\nc[:, 0, 1, 0] = 100 + np.arange(12)\n"
+      "t = np.arange(12) * 33.0\nt[[5, 6]] = t[[6, 5]]\n"
+      "np.savez('in.npz', color=c, depth=np.full((12, 6, 8), 1000, np.uint16), timestamps=t)");
   const RecordingReader reader = import("in.npz");
-  const std::string text = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(text.find("color: the times of 1 of 12 images run backward"), std::string::npos)
-      << text;
+  EXPECT_TRUE(warns_of("color: the times of 1 of 12 images run backward")) << warnings_;
   EXPECT_EQ(reader.read_camera_frame(5).color[3], 106);
   EXPECT_NEAR(reader.recording().camera_times.host_time_s[11], 0.363, 1e-6);
 }

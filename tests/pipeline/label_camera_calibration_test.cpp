@@ -2,6 +2,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/label/camera_calibration.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace::label {
 namespace {
@@ -22,13 +23,9 @@ TEST(CameraCalibration, RefusesImagesOfAnotherSize) {
   RgbdCalibration given;
   given.color = camera_of(640, 480);
   EXPECT_NO_THROW(camera_calibration(given, registered(640, 480)));
-  try {
-    camera_calibration(given, registered(1280, 480));
-    ADD_FAILURE() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "calibration of colour images of 640 x 480 pixels, recording has 1280 x 480");
-  }
+  testing::expect_error(
+      [&] { camera_calibration(given, registered(1280, 480)); },
+      "calibration of colour images of 640 x 480 pixels, recording has 1280 x 480", {});
   given.depth = camera_of(320, 240);
   EXPECT_THROW(camera_calibration(given, registered(640, 480)), Error);
 }

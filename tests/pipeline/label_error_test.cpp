@@ -26,9 +26,8 @@ constexpr double latency_s = 2.0 / camera_rate_hz;  // taken for the camera's, w
 /// Labels whose raw positions have white noise and an error with a period of 4 s, and whose time
 /// stamps are late.
 Labels raw_labels(const Stage& stage, double white_m, double swing_m, double late_s) {
-  label::LabelOptions options;
-  options.tracker = "component";
-  auto labels = label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+  auto labels =
+      label_recording(recording_of(stage), frame_source(stage), calibration(), component_options());
   const auto truth = truth_of(stage);
   RandomStream random(1, "raw places");
   auto& raw = labels.raw;
@@ -65,9 +64,8 @@ TEST(LabelError, IsMeasuredAfterRemovingTheDelay) {
   const Stage stage(false);
   auto recording = recording_of(stage);
   for (auto& time_s : recording.camera_times.host_time_s) time_s += 0.018;
-  label::LabelOptions options;
-  options.tracker = "component";
-  const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
+  const auto labels =
+      label_recording(recording, frame_source(stage), calibration(), component_options());
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
   EXPECT_NEAR(error.delay_s, 0.018 - latency_s, 0.001);
   EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
@@ -75,10 +73,8 @@ TEST(LabelError, IsMeasuredAfterRemovingTheDelay) {
 
 TEST(LabelError, IsNaNWhereNothingCanBeMeasured) {
   const Stage stage(false);
-  label::LabelOptions options;
-  options.tracker = "component";
   const auto labels =
-      label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+      label_recording(recording_of(stage), frame_source(stage), calibration(), component_options());
   auto truth = truth_of(stage);
   auto& velocity = truth.object.velocity_m_per_s;
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = i / 3 % 2 ? 10.0 : -10.0;

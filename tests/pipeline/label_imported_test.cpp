@@ -49,9 +49,7 @@ FrameSource without_background(const Stage& stage) {
 
 /// Labels and evaluates a recording without glove at all its camera frames.
 study::BodyError error_of_imported(const Stage& stage, const FrameSource& frames) {
-  LabelOptions options;
-  options.tracker = "component";
-  const auto labels = label_recording(imported(stage), frames, std::nullopt, options);
+  const auto labels = label_recording(imported(stage), frames, std::nullopt, component_options());
   EXPECT_EQ(labels.time_s.size(), static_cast<std::size_t>(seconds * camera_rate_hz));
   EXPECT_EQ(std::ranges::count(labels.glove_frame, -1),
             static_cast<std::ptrdiff_t>(labels.time_s.size()));
@@ -118,9 +116,7 @@ Labels label_without_boxes(const Stage& stage, const FrameSource& frames) {
   auto recording = imported(stage);
   recording.clips[0].hand_box = recording.clips[0].object_box = {};
   recording.clips[0].box_frame.reset();
-  LabelOptions options;
-  options.tracker = "component";
-  return label_recording(recording, frames, std::nullopt, options);
+  return label_recording(recording, frames, std::nullopt, component_options());
 }
 
 TEST(Label, TakesHandAndObjectFromMasks) {

@@ -118,12 +118,11 @@ label::FrameSource leaving(const Stage& stage) {
 
 TEST(Label, ReturnsWhatItMeasuredInARefusedRecording) {
   const Stage stage(false);
-  label::LabelOptions options;
-  options.tracker = "component";
   Labels measured;
-  EXPECT_THROW(label_recording(recording_of(stage), leaving(stage), calibration(), options,
-                               [&](const Labels& labels) { measured = labels; }),
-               Error);
+  EXPECT_THROW(
+      label_recording(recording_of(stage), leaving(stage), calibration(), component_options(),
+                      [&](const Labels& labels) { measured = labels; }),
+      Error);
   ASSERT_EQ(measured.raw.time_s.size(), static_cast<std::size_t>(seconds * camera_rate_hz));
   EXPECT_TRUE(std::isfinite(measured.raw.hand_m[3 * 20]));
   EXPECT_TRUE(std::isnan(measured.raw.hand_m[3 * 80]));
@@ -132,12 +131,10 @@ TEST(Label, ReturnsWhatItMeasuredInARefusedRecording) {
 TEST(Label, WarnsOfAHandLargerThanAny) {
   const Stage stage(false);
   auto recording = recording_of(stage);
-  label::LabelOptions options;
-  options.tracker = "component";
   recording.clips[0].hand_box = {100, 50, 130, 150};
   ::testing::internal::CaptureStderr();
   try {
-    label_recording(recording, frame_source(stage), calibration(), options);
+    label_recording(recording, frame_source(stage), calibration(), component_options());
   } catch (const Error&) {
   }
   const std::string output = ::testing::internal::GetCapturedStderr();

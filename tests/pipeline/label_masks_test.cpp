@@ -67,7 +67,6 @@ label::FrameSource misleading_colors(const Stage& stage) {
     for (std::size_t j = 0; has_mask(i) && j < frame.depth.size(); ++j) {
       const bool is_object = frame.color[3 * j] == 200, is_hand = frame.color[3 * j + 2] == 160;
       frame.mask.push_back(is_object ? mask_object : is_hand ? mask_hand : mask_other);
-      const std::array<std::uint8_t, 3> red{200, 40, 20}, blue{20, 30, 160};
       if (is_object || is_hand) std::ranges::copy(is_object ? blue : red, &frame.color[3 * j]);
     }
     return frame;
@@ -77,10 +76,8 @@ label::FrameSource misleading_colors(const Stage& stage) {
 
 TEST(Label, UsesTheMasksOfSomeFrames) {
   const Stage stage(false);
-  label::LabelOptions options;
-  options.tracker = "component";
-  const auto labels =
-      label_recording(recording_of(stage), misleading_colors(stage), calibration(), options);
+  const auto labels = label_recording(recording_of(stage), misleading_colors(stage), calibration(),
+                                      component_options());
   EXPECT_EQ(labels.summary["observer"], "depth-color and masks");
   const auto [hand, object] = study::compare_labels_with_truth(labels, truth_of(stage));
   EXPECT_LE(object.lost_share + object.wrong_share, 0.05);
@@ -107,12 +104,11 @@ label::FrameSource masks_of_one(const Stage& stage, std::uint8_t body, std::size
 /// objects, of which whole data sets have nothing else, hide the hand.
 TEST(Label, MasksOfOneBodyDoNotHideTheOther) {
   const Stage stage(false);
-  label::LabelOptions options;
-  options.tracker = "component";
   const auto all = static_cast<std::size_t>(seconds * camera_rate_hz);
   for (const auto& frames :
        {masks_of_one(stage, mask_hand, 40), masks_of_one(stage, mask_object, all)}) {
-    const auto labels = label_recording(recording_of(stage), frames, calibration(), options);
+    const auto labels =
+        label_recording(recording_of(stage), frames, calibration(), component_options());
     EXPECT_EQ(labels.summary["observer"], "depth-color and masks");
     EXPECT_LE(labels.summary["object_follows_share"].get<double>() +
                   labels.summary["object_lost_share"].get<double>(),
@@ -128,14 +124,12 @@ TEST(Label, UsesMasksOfTheObjectAlone) {
       masks_of_one(stage, mask_object, static_cast<std::size_t>(seconds * camera_rate_hz));
   frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
     auto frame = read(i);
-    const std::array<std::uint8_t, 3> blue{20, 30, 160};
     for (std::size_t j = 0; i >= 10 && j < frame.mask.size(); ++j)
       if (frame.mask[j] == mask_object) std::ranges::copy(blue, &frame.color[3 * j]);
     return frame;
   };
-  label::LabelOptions options;
-  options.tracker = "component";
-  const auto labels = label_recording(recording_of(stage), frames, calibration(), options);
+  const auto labels =
+      label_recording(recording_of(stage), frames, calibration(), component_options());
   const auto [hand, object] = study::compare_labels_with_truth(labels, truth_of(stage));
   EXPECT_LE(object.lost_share + object.wrong_share, 0.05);
   EXPECT_LE(hand.lost_share + hand.wrong_share, 0.05);

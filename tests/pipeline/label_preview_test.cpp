@@ -27,9 +27,7 @@ class LabelPreview : public ::testing::Test {
          {&recording_.camera_times.device_time_s, &recording_.camera_times.host_time_s})
       times->resize(num_frames);
     recording_.camera_times.sequence.resize(num_frames);
-    label::LabelOptions options;
-    options.tracker = "component";
-    labels_ = label_recording(recording_, frame_source(stage_), calibration(), options);
+    labels_ = label_recording(recording_, frame_source(stage_), calibration(), component_options());
   }
   void write(const std::string& name, bool overwrite = false) const {
     label::write_preview(folder_ / name, recording_, frame_source(stage_), calibration(), labels_,

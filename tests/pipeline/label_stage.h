@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "pipeline/label/label.h"
 #include "pipeline/recording/recording.h"
@@ -19,6 +20,45 @@ inline Camera camera() {
   result.fx = result.fy = 300.0;
   result.cx = 159.5, result.cy = 119.5;
   return result;
+}
+
+using Color = std::array<int, 3>;
+inline constexpr Color red{200, 40, 20}, blue{20, 30, 160}, skin{90, 60, 60};
+
+/// Nearest thing on a pixel's ray; at first the wall.
+struct Pixel {
+  double depth_m = 2.5;
+  Color color{120, 120, 110};
+
+  void show(double other_depth_m, const Color& other) {
+    if (other_depth_m < depth_m) depth_m = other_depth_m, color = other;
+  }
+};
+
+/// Draws each pixel by `shade(ray, pixel)`.
+template <class Shade>
+RgbdFrame render_pixels(Shade&& shade) {
+  RgbdFrame frame;
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      Pixel pixel;
+      shade(camera().unproject({u, v}), pixel);
+      frame.depth.push_back(static_cast<std::uint16_t>(std::lround(1000.0 * pixel.depth_m)));
+      frame.color.insert(frame.color.end(), pixel.color.begin(), pixel.color.end());
+    }
+  return frame;
+}
+
+/// Depth of a ball along a ray; infinite beside it.
+inline double ball_depth_m(const Eigen::Vector3d& ray, const Eigen::Vector3d& ball_m) {
+  const double b = ray.dot(ball_m), q = ray.squaredNorm(),
+               discriminant = b * b - q * (ball_m.squaredNorm() - ball_radius_m * ball_radius_m);
+  return discriminant > 0.0 ? (b - std::sqrt(discriminant)) / q
+                            : std::numeric_limits<double>::infinity();
+}
+
+inline bool is_on_disc(const Eigen::Vector3d& ray, const Eigen::Vector3d& disc_m, double radius_m) {
+  return (ray * disc_m.z() - disc_m).norm() < radius_m;
 }
 
 /// Rendered scene for labelling: a red ball, a blue disc as hand, a grey torso and a wall, seen by
@@ -43,51 +83,34 @@ class Stage {
   }
   const SyntheticMotion& motion() const { return motion_; }
   /// Gives the torso a lower half of the glove's colour, larger than the glove.
-  void set_blue_trousers() { trousers_ = {20, 30, 160}; }
+  void set_blue_trousers() { trousers_ = blue; }
   /// Lights the torso, which is never the object, in another colour than in the box frame.
   void set_relit_torso() { relit_torso_ = {60, 110, 60}; }
 
   RgbdFrame render(double time_s, bool person) const {
-    RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
-                    std::vector<std::uint16_t>(width * height)};
     const Eigen::Vector3d ball_m = ball(time_s), hand_m = hand(time_s);
-    for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u) {
-        const auto at = static_cast<std::size_t>(v * width + u);
-        const Eigen::Vector3d ray = camera().unproject({u, v});
-        double depth = 2.5;
-        std::array<int, 3> color{120, 120, 110};
-        if (person && std::abs(ray.x()) < 0.15)
-          depth = 1.5, color = ray.y() > 0.15 ? trousers_ : torso_color(time_s);
-        if (person && (ray * hand_m.z() - hand_m).norm() < 0.05)
-          depth = hand_m.z(), color = {20, 30, 160};
-        const double b = ray.dot(ball_m), q = ray.squaredNorm();
-        const double discriminant =
-            b * b - q * (ball_m.squaredNorm() - ball_radius_m * ball_radius_m);
-        if (person && discriminant > 0.0 && (b - std::sqrt(discriminant)) / q < depth)
-          depth = (b - std::sqrt(discriminant)) / q, color = ball_color(time_s);
-        frame.depth[at] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
-        for (std::size_t c = 0; c < 3; ++c)
-          frame.color[3 * at + c] = static_cast<std::uint8_t>(color[c]);
-      }
-    return frame;
+    return render_pixels([&](const Eigen::Vector3d& ray, Pixel& pixel) {
+      if (!person) return;
+      if (std::abs(ray.x()) < 0.15)
+        pixel.show(1.5, ray.y() > 0.15 ? trousers_ : torso_color(time_s));
+      if (is_on_disc(ray, hand_m, 0.05)) pixel.show(hand_m.z(), blue);
+      pixel.show(ball_depth_m(ray, ball_m), ball_color(time_s));
+    });
   }
 
  private:
-  std::array<int, 3> torso_color(double time_s) const {
-    return time_s < hidden_s ? std::array<int, 3>{90, 60, 60} : relit_torso_;
-  }
+  Color torso_color(double time_s) const { return time_s < hidden_s ? skin : relit_torso_; }
   /// A ball that is wholly in the glove has the glove's colour.
-  std::array<int, 3> ball_color(double time_s) const {
+  Color ball_color(double time_s) const {
     if (kind_ == Ball::torso_colored) return torso_color(time_s);
     const bool is_blue =
         kind_ == Ball::hand_colored || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
-    return is_blue ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};
+    return is_blue ? blue : red;
   }
 
   SyntheticMotion motion_;
   Ball kind_;
-  std::array<int, 3> trousers_{90, 60, 60}, relit_torso_{90, 60, 60};
+  Color trousers_ = skin, relit_torso_ = skin;
 };
 
 inline PixelBox box_around(const Eigen::Vector3d& centre, double radius_m) {
@@ -97,18 +120,24 @@ inline PixelBox box_around(const Eigen::Vector3d& centre, double radius_m) {
           2 * half};
 }
 
-inline Recording recording_of(const Stage& stage) {
+/// Recording of one clip without a glove.
+inline Recording camera_recording(const PixelBox& hand_box, const PixelBox& object_box) {
   Recording recording;
   recording.activity = "test";
   recording.camera.width = width, recording.camera.height = height;
   recording.camera.rate_hz = camera_rate_hz;
-  recording.clips = {{0.0, seconds, "ball", false, box_around(stage.hand(0.0), 0.055),
-                      box_around(stage.ball(0.0), 0.036)}};
+  recording.clips = {{0.0, seconds, "ball", false, hand_box, object_box}};
   for (int i = 0; i < static_cast<int>(seconds * camera_rate_hz); ++i) {
     recording.camera_times.sequence.push_back(static_cast<std::uint64_t>(i));
     recording.camera_times.device_time_s.push_back(i / camera_rate_hz);
     recording.camera_times.host_time_s.push_back(i / camera_rate_hz);
   }
+  return recording;
+}
+
+inline Recording recording_of(const Stage& stage) {
+  Recording recording =
+      camera_recording(box_around(stage.hand(0.0), 0.055), box_around(stage.ball(0.0), 0.036));
   GloveStream glove;
   for (int i = 0; i < static_cast<int>((seconds - 0.1) * glove_rate_hz); ++i) {
     if (i == 40) continue;  // lost in transmission
@@ -119,10 +148,17 @@ inline Recording recording_of(const Stage& stage) {
   return recording;
 }
 
-inline label::FrameSource frame_source(const Stage& stage) {
+template <class Scene>
+label::FrameSource frame_source(const Scene& stage) {
   return {
       [&](std::size_t i) { return stage.render(static_cast<double>(i) / camera_rate_hz, true); },
       [&](std::size_t) { return stage.render(0.0, false); }, 3};
+}
+
+inline label::LabelOptions component_options() {
+  label::LabelOptions options;
+  options.tracker = "component";
+  return options;
 }
 
 inline Truth truth_of(const Stage& stage) {

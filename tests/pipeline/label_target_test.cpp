@@ -2,6 +2,7 @@
 
 #include "pipeline/label/track/observation.h"
 #include "pipeline/label/track/target.h"
+#include "tests/pipeline/label_stage.h"
 
 namespace touchtrace::label {
 namespace {
@@ -12,15 +13,7 @@ constexpr double disc_m = 0.02, frame_s = 0.05;
 const Vector3d held_m(0.0, 0.0, 1.0), in_flight_m(0.10, 0.0, 1.0);
 
 Segmenter segmenter() {
-  Camera camera;
-  camera.width = 320, camera.height = 240;
-  camera.fx = camera.fy = 300.0, camera.cx = 159.5, camera.cy = 119.5;
-  RgbdCalibration calibration;
-  calibration.color = camera;
-  calibration.depth = camera;
-  CameraInfo info;
-  info.width = 320, info.height = 240;
-  return Segmenter(calibration, info);
+  return Segmenter(staged::calibration(), staged::camera_recording({}, {}).camera);
 }
 
 /// Points of a disc of the object's colour, of which the fraction `part` is visible.

@@ -10,6 +10,7 @@
 #include "engine/base/random.h"
 #include "pipeline/study/label_error.h"
 #include "tests/pipeline/label_stage.h"
+#include "tests/support/expect_error.h"
 #include "tests/verify/labels/label_trials.h"
 
 namespace touchtrace::staged {
@@ -62,28 +63,22 @@ TEST(Label, IgnoresTrousersOfTheGlovesColor) {
   auto frames = frame_source(stage);
   const auto all = frames.camera_frame;
   frames.camera_frame = [&](std::size_t i) { return all(kept[i]); };
-  LabelOptions options;
-  options.tracker = "component";
-  const auto labels = label_recording(recording, frames, calibration(), options);
+  const auto labels = label_recording(recording, frames, calibration(), component_options());
   EXPECT_EQ(study::compare_labels_with_truth(labels, truth_of(stage)).hand.wrong_share, 0.0);
 }
 
 study::BodyError error_with_component(const Stage& stage) {
-  LabelOptions options;
-  options.tracker = "component";
-  return study::compare_labels_with_truth(
-             label_recording(recording_of(stage), frame_source(stage), calibration(), options),
-             truth_of(stage))
+  return study::compare_labels_with_truth(label_recording(recording_of(stage), frame_source(stage),
+                                                          calibration(), component_options()),
+                                          truth_of(stage))
       .object;
 }
 
 TEST(Label, AccountsForTheDelayOfDepthImages) {
   const Stage stage(false);
-  LabelOptions options;
-  options.tracker = "component";
   const auto delay_s = [&](const RgbdCalibration& calibration) {
     const auto labels =
-        label_recording(recording_of(stage), frame_source(stage), calibration, options);
+        label_recording(recording_of(stage), frame_source(stage), calibration, component_options());
     return study::compare_labels_with_truth(labels, truth_of(stage)).object.delay_s;
   };
   auto late = calibration();
@@ -154,9 +149,7 @@ TEST(Label, RestoresTheNumberOfOpenCvThreads) {
   const int threads = cv::getNumThreads();
   ASSERT_GT(threads, 1);
   const Stage stage(false);
-  LabelOptions options;
-  options.tracker = "component";
-  label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+  label_recording(recording_of(stage), frame_source(stage), calibration(), component_options());
   EXPECT_EQ(cv::getNumThreads(), threads);
 }
 
@@ -169,8 +162,7 @@ TEST(Label, RethrowsTheErrorOfAnUnreadableImage) {
     return read(i);
   };
   for (const int threads : {1, 4}) {
-    LabelOptions options;
-    options.tracker = "component";
+    auto options = component_options();
     options.num_threads = threads;
     EXPECT_THROW(label_recording(recording_of(stage), frames, calibration(), options), Error);
   }
@@ -182,8 +174,7 @@ TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {
   recording.clips = {recording.clips[0], recording.clips[0]};
   recording.clips[0].end_s = 3.0, recording.clips[1].start_s = 3.1;
   recording.clips[1].hand_box = {1, 1, 9, 9};
-  LabelOptions options;
-  options.tracker = "component";
+  auto options = component_options();
   options.camera_latency_s = {0.0, 0.001};
   const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
   ASSERT_EQ(labels.summary["problems"].size(), 1u);
@@ -198,10 +189,8 @@ TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {
 /// Budgets add up to the covariance.
 TEST(Label, StoresTheErrorBudget) {
   const Stage stage(false);
-  LabelOptions options;
-  options.tracker = "component";
   const auto labels =
-      label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+      label_recording(recording_of(stage), frame_source(stage), calibration(), component_options());
   const std::size_t sources = labels.summary["error_sources"].size();
   ASSERT_EQ(labels.object.error_budget_m.size(), sources * labels.time_s.size());
   for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
@@ -216,32 +205,25 @@ TEST(Label, StoresTheErrorBudget) {
 TEST(Label, RejectsIncompleteRecordings) {
   const Stage stage(false);
   const auto good = recording_of(stage);
-  const auto frames = frame_source(stage);
-  const auto expect_rejected = [&](const Recording& recording, const FrameSource& source,
-                                   const std::string& what) {
-    try {
-      label_recording(recording, source, calibration(), {});
-      ADD_FAILURE() << "not rejected: " << what;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data);
-      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
-    }
+  const auto expect_rejected = [&](const Recording& recording, const std::string& what) {
+    testing::expect_error(
+        [&] { label_recording(recording, frame_source(stage), calibration(), {}); }, what);
   };
   auto recording = good;
   recording.camera_times = {};
-  expect_rejected(recording, frames, "camera");
+  expect_rejected(recording, "camera");
   recording = good;
   recording.clips.clear();
-  expect_rejected(recording, frames, "clip");
+  expect_rejected(recording, "clip");
   recording = good;
   recording.clips[0].object_box = {};
-  expect_rejected(recording, frames, "boxes");
+  expect_rejected(recording, "boxes");
   recording = good;
   recording.clips[0].object_box = {1, 1, 5, 5};
-  expect_rejected(recording, frames, "object");
+  expect_rejected(recording, "object");
   recording = good;
   recording.camera.width = recording.camera.height = 480;
-  expect_rejected(recording, frames, "480");
+  expect_rejected(recording, "480");
 }
 
 }  // namespace

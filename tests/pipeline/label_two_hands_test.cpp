@@ -27,40 +27,20 @@ struct Scene {
   bool shows_ball_without_hand = false;
   bool has_bare_arm = false;  ///< below the hand, of its colour
 
-  bool is_blue(const Vector3d& ray, const Disc& disc) const {
-    return (ray * disc.centre_m.z() - disc.centre_m).norm() < disc.radius_m;
-  }
-
   RgbdFrame render(double time_s, bool person) const {
-    RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
-                    std::vector<std::uint16_t>(width * height)};
     const Vector3d hand = hand_m(time_s), ball = hand + ball_from_hand;
     auto discs = others(time_s);
     if (shows_hand(time_s)) discs.push_back({hand, hand_radius_m});
-    for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u) {
-        const auto at = static_cast<std::size_t>(v * width + u);
-        const Vector3d ray = camera().unproject({u, v}), on_arm = ray * hand.z() - hand;
-        double depth = 2.5;
-        std::array<int, 3> color{120, 120, 110};
-        const auto show = [&](double depth_m, const std::array<int, 3>& rgb) {
-          if (person && depth_m < depth) depth = depth_m, color = rgb;
-        };
-        if (std::abs(ray.x()) < 0.3) show(1.5, {90, 60, 60});
-        for (const auto& disc : discs)
-          if (is_blue(ray, disc)) show(disc.centre_m.z(), {20, 30, 160});
-        if (has_bare_arm && std::abs(on_arm.x()) < bare_arm_half_m && on_arm.y() > 0.0)
-          show(hand.z(), {20, 30, 160});
-        const double b = ray.dot(ball), q = ray.squaredNorm(),
-                     discriminant =
-                         b * b - q * (ball.squaredNorm() - ball_radius_m * ball_radius_m);
-        if ((shows_hand(time_s) || shows_ball_without_hand) && discriminant > 0.0)
-          show((b - std::sqrt(discriminant)) / q, {200, 40, 20});
-        frame.depth[at] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
-        for (std::size_t c = 0; c < 3; ++c)
-          frame.color[3 * at + c] = static_cast<std::uint8_t>(color[c]);
-      }
-    return frame;
+    return render_pixels([&](const Vector3d& ray, Pixel& pixel) {
+      if (!person) return;
+      if (std::abs(ray.x()) < 0.3) pixel.show(1.5, skin);
+      for (const auto& [centre_m, radius_m] : discs)
+        if (is_on_disc(ray, centre_m, radius_m)) pixel.show(centre_m.z(), blue);
+      const Vector3d on_arm = ray * hand.z() - hand;
+      if (has_bare_arm && std::abs(on_arm.x()) < bare_arm_half_m && on_arm.y() > 0.0)
+        pixel.show(hand.z(), blue);
+      if (shows_hand(time_s) || shows_ball_without_hand) pixel.show(ball_depth_m(ray, ball), red);
+    });
   }
 };
 
@@ -71,33 +51,21 @@ struct HandLabels {
 
 /// Labels the scene at its camera frames, with boxes in the first one.
 HandLabels label(const Scene& scene) {
-  Recording recording;
-  recording.activity = "test";
-  recording.camera.width = width, recording.camera.height = height;
-  recording.camera.rate_hz = camera_rate_hz;
-  recording.clips = {{0.0, seconds, "ball", false, box_around(scene.hand_m(0.0), hand_radius_m),
-                      box_around(scene.hand_m(0.0) + ball_from_hand, 0.036)}};
-  const int frames = static_cast<int>(seconds * camera_rate_hz);
-  for (int i = 0; i < frames; ++i) {
-    recording.camera_times.sequence.push_back(static_cast<std::uint64_t>(i));
-    recording.camera_times.device_time_s.push_back(i / camera_rate_hz);
-    recording.camera_times.host_time_s.push_back(i / camera_rate_hz);
-  }
-  label::LabelOptions options;
-  options.tracker = "component";
+  auto options = component_options();
   options.no_flights = true;
-  const label::FrameSource source{
-      [&](std::size_t i) { return scene.render(static_cast<double>(i) / camera_rate_hz, true); },
-      [&](std::size_t) { return scene.render(0.0, false); }, 3};
-  const auto labels = label_recording(recording, source, calibration(), options);
+  const auto labels =
+      label_recording(camera_recording(box_around(scene.hand_m(0.0), hand_radius_m),
+                                       box_around(scene.hand_m(0.0) + ball_from_hand, 0.036)),
+                      frame_source(scene), calibration(), options);
+  const auto frames = static_cast<double>(labels.time_s.size());
   HandLabels result;
   for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
     const Vector3d position(labels.hand.position_m.data() + 3 * i);
     const double error_m = (position - scene.hand_m(labels.time_s[i])).norm();
     const bool is_flagged = labels.hand.quality[i] != quality_good;
-    result.flagged += is_flagged / static_cast<double>(frames);
+    result.flagged += is_flagged / frames;
     if (is_flagged) continue;
-    result.wrong += !(error_m < wrong_m) / static_cast<double>(frames);
+    result.wrong += !(error_m < wrong_m) / frames;
     result.max_error_m = std::max(result.max_error_m, error_m);
   }
   return result;

@@ -6,29 +6,21 @@
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/log.h"
 #include "pipeline/acquire/transport/transport.h"
-#include "pipeline/cli/commands.h"
 #include "tests/pipeline/import_samples.h"
-#include "tests/pipeline/recording_samples.h"
+#include "tests/support/command_line.h"
 #include "tests/support/pseudo_terminal.h"
 
 namespace touchtrace {
 namespace {
 
 using testing::PseudoTerminal;
-
-int run(std::vector<std::string> arguments) {
-  std::vector<const char*> argv{"touchtrace"};
-  arguments.emplace_back("--quiet");
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
-}
+using testing::run_touchtrace;
 
 /// Output of a command on stdout as JSON.
 nlohmann::json json_of(std::vector<std::string> arguments) {
   arguments.emplace_back("--json");
   ::testing::internal::CaptureStdout();
-  EXPECT_EQ(run(arguments), 0);
+  EXPECT_EQ(run_touchtrace(arguments), 0);
   return nlohmann::json::parse(::testing::internal::GetCapturedStdout());
 }
 
@@ -46,11 +38,11 @@ GloveStream device_frames(std::size_t frames) {
 }
 
 std::vector<std::string> arguments(const std::string& port, const std::string& protocol,
-                                   const fs::path& output) {
-  return {
-      "record", "--glove",  port,           "--protocol", protocol,    "--rows", "6",
-      "--cols", "16",       "--bits",       "8",          "--rate-hz", "50",     "--rest-seconds",
-      "0",      "--output", output.string()};
+                                   const fs::path& output, std::vector<std::string> more = {}) {
+  more.insert(more.begin(),
+              {"record", "--glove", port, "--protocol", protocol, "--rows", "6", "--cols", "16",
+               "--bits", "8", "--rate-hz", "50", "--rest-seconds", "0", "--output", output});
+  return more;
 }
 
 /// Sends frames at 100 Hz.
@@ -66,6 +58,20 @@ void wait_for(const fs::path& file) {
   while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
+/// Summary of a recording during which `send` runs and then interrupts it.
+template <class Send>
+nlohmann::json record_while(const std::vector<std::string>& arguments, const fs::path& log,
+                            const Send& send) {
+  std::thread sender([&] {
+    wait_for(log);
+    send();
+    std::raise(SIGINT);
+  });
+  const auto summary = json_of(arguments);
+  sender.join();
+  return summary;
+}
+
 /// Recording of a file whose lines have 1 to 3 digits per count, or whose frames 20 to 29 are lost.
 GloveStream replayed(const std::string& protocol, const std::string& speed) {
   const TemporaryFolder folder;
@@ -77,9 +83,9 @@ GloveStream replayed(const std::string& protocol, const std::string& speed) {
     bytes += find_glove_protocol(protocol).encode(glove, i);
   }
   testing::put(folder / "glove.bin", bytes);
-  auto words = arguments(folder / "glove.bin", protocol, folder / "a.h5");
-  words.insert(words.end(), {"--speed", speed});
-  EXPECT_EQ(run(words), 0);
+  EXPECT_EQ(run_touchtrace(
+                arguments(folder / "glove.bin", protocol, folder / "a.h5", {"--speed", speed})),
+            0);
   return RecordingReader(folder / "a.h5").recording().gloves.at(0);
 }
 
@@ -108,13 +114,9 @@ TEST(RecordCommand, RecordsWhatADeviceSends) {
     const TemporaryFolder folder;
     const PseudoTerminal device;
     const GloveStream glove = device_frames(50);
-    std::thread sender([&] {
-      wait_for(folder / "a.h5.log");
-      send(device, protocol, glove, 0, 50);
-      std::raise(SIGINT);
-    });
-    const auto summary = json_of(arguments(device.path(), protocol, folder / "a.h5"));
-    sender.join();
+    const auto summary =
+        record_while(arguments(device.path(), protocol, folder / "a.h5"), folder / "a.h5.log",
+                     [&] { send(device, protocol, glove, 0, 50); });
     EXPECT_EQ(summary["glove_frames"], 50u) << protocol;
     EXPECT_EQ(summary["torn"], 0u);
     const RecordingReader reader(folder / "a.h5");
@@ -130,15 +132,13 @@ TEST(RecordCommand, AsksADeviceThatWaitsForRequests) {
   const TemporaryFolder folder;
   const PseudoTerminal device;
   const GloveStream glove = device_frames(20);
-  std::thread answers([&] {
-    wait_for(folder / "a.h5.log");
+  const auto answer = [&] {
     for (std::size_t i = 0; i < 20;)
       for (const char request : device.receive())
         if (request == 'a' && i < 20) device.send(encode_actionsense(glove, i++));
-    std::raise(SIGINT);
-  });
-  const auto summary = json_of(arguments(device.path(), "actionsense", folder / "a.h5"));
-  answers.join();
+  };
+  const auto summary = record_while(arguments(device.path(), "actionsense", folder / "a.h5"),
+                                    folder / "a.h5.log", answer);
   EXPECT_GE(summary["glove_frames"], 19u);
   EXPECT_NEAR(summary["rate_hz"].get<double>(), 50.0, 10.0);
 }
@@ -182,15 +182,14 @@ TEST(RecordCommand, APauseOfAGloveWithoutFrameNumbersIsAGap) {
   const TemporaryFolder folder;
   const PseudoTerminal device;
   const GloveStream glove = device_frames(40);
-  std::thread sender([&] {
-    wait_for(folder / "a.h5.log");
+  const auto send_twice = [&] {
     send(device, "mit-rows", glove, 0, 20);
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     send(device, "mit-rows", glove, 20, 40);
-    std::raise(SIGINT);
-  });
-  EXPECT_EQ(json_of(arguments(device.path(), "mit-rows", folder / "a.h5"))["glove_frames"], 40u);
-  sender.join();
+  };
+  const auto summary = record_while(arguments(device.path(), "mit-rows", folder / "a.h5"),
+                                    folder / "a.h5.log", send_twice);
+  EXPECT_EQ(summary["glove_frames"], 40u);
   const RecordingReader reader(folder / "a.h5");
   const auto& sequence = reader.recording().gloves.at(0).sequence;
   EXPECT_EQ(reader.recording().clips.size(), 2u);
@@ -203,15 +202,9 @@ TEST(RecordCommand, RecordsGloveAndCameraTogether) {
   const PseudoTerminal device;
   const GloveStream glove = device_frames(40);
   write_import_tum(folder / "images");
-  std::thread sender([&] {
-    wait_for(folder / "a.h5.log");
-    send(device, "mit-rows", glove, 0, 40);
-    std::raise(SIGINT);
-  });
-  auto all = arguments(device.path(), "mit-rows", folder / "a.h5");
-  all.insert(all.end(), {"--camera", (folder / "images").string()});
-  const auto summary = json_of(all);
-  sender.join();
+  const auto summary = record_while(
+      arguments(device.path(), "mit-rows", folder / "a.h5", {"--camera", folder / "images"}),
+      folder / "a.h5.log", [&] { send(device, "mit-rows", glove, 0, 40); });
   EXPECT_EQ(summary["glove_frames"], 40u);
   EXPECT_EQ(summary["color_images"], std::size_t{import_frames});
   EXPECT_EQ(summary["depth_images"], std::size_t{import_frames});
@@ -241,7 +234,9 @@ TEST(RecordCommand, RecordsACameraAlone) {
                                 (folder / "a.h5").string(), "--speed", "0"});
   EXPECT_EQ(summary["color_images"], std::size_t{import_frames});
   EXPECT_EQ(RecordingReader(folder / "a.h5").recording().clips.size(), 1u);
-  EXPECT_EQ(run({"record", "--camera", "/dev/null", "--output", (folder / "b.h5").string()}), 3);
+  EXPECT_EQ(
+      run_touchtrace({"record", "--camera", "/dev/null", "--output", (folder / "b.h5").string()}),
+      3);
 }
 
 TEST(RecordCommand, ReplaysAFile) {
@@ -250,9 +245,8 @@ TEST(RecordCommand, ReplaysAFile) {
   std::string bytes;
   for (std::size_t i = 0; i < 200; ++i) bytes += encode_stag(glove, i);
   testing::put(folder / "glove.bin", bytes);
-  auto all = arguments((folder / "glove.bin").string(), "stag", folder / "a.h5");
-  all.insert(all.end(), {"--speed", "0"});
-  const auto summary = json_of(all);
+  const auto summary =
+      json_of(arguments(folder / "glove.bin", "stag", folder / "a.h5", {"--speed", "0"}));
   EXPECT_EQ(summary["glove_frames"], 199u);
   EXPECT_NEAR(summary["duration_s"].get<double>(), 199 / 50.0, 0.3 * 199 / 50.0);
 }
@@ -260,44 +254,40 @@ TEST(RecordCommand, ReplaysAFile) {
 TEST(RecordCommand, NoFramesIsAnErrorThatLeavesNothing) {
   const TemporaryFolder folder;
   testing::put(folder / "noise.bin", std::string(10'000, '\xff'));
-  auto all = arguments((folder / "noise.bin").string(), "mit-rows", folder / "a.h5");
-  all.insert(all.end(), {"--speed", "0"});
-  EXPECT_EQ(run(all), 3);
+  EXPECT_EQ(run_touchtrace(
+                arguments(folder / "noise.bin", "mit-rows", folder / "a.h5", {"--speed", "0"})),
+            3);
   EXPECT_FALSE(fs::exists(folder / "a.h5.log"));
   EXPECT_FALSE(fs::exists(folder / "a.h5"));
 }
 
 TEST(RecordCommand, InvalidUseHasExitCode) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run({"record", "--output", (folder / "a.h5").string()}), 2);
-  EXPECT_EQ(run(arguments("/dev/none", "stag", folder / "a.h5")), 3);
-  auto all = arguments("/dev/none", "stag", folder / "a.h5");
-  all.insert(all.end(), {"--polarity", "2"});
-  EXPECT_EQ(run(all), 2);
-  EXPECT_EQ(run(arguments("/dev/none", "jq20", folder / "a.h5")), 3);  // 96 taxels
+  EXPECT_EQ(run_touchtrace({"record", "--output", (folder / "a.h5").string()}), 2);
+  EXPECT_EQ(run_touchtrace(arguments("/dev/none", "stag", folder / "a.h5")), 3);
+  EXPECT_EQ(run_touchtrace(arguments("/dev/none", "stag", folder / "a.h5", {"--polarity", "2"})),
+            2);
+  EXPECT_EQ(run_touchtrace(arguments("/dev/none", "jq20", folder / "a.h5")), 3);  // 96 taxels
 }
 
 TEST(RecordCommand, RecoverFinishesALog) {
   const TemporaryFolder folder;
   const PseudoTerminal device;
   const GloveStream glove = device_frames(20);
-  std::thread sender([&] {
-    wait_for(folder / "a.h5.log");
+  record_while(arguments(device.path(), "mit-rows", folder / "a.h5"), folder / "a.h5.log", [&] {
     send(device, "mit-rows", glove, 0, 20);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     fs::copy_file(folder / "a.h5.log", folder / "b.h5.log");  // as a killed process leaves it
-    std::raise(SIGINT);
   });
-  EXPECT_EQ(run(arguments(device.path(), "mit-rows", folder / "a.h5")), 0);
-  sender.join();
   const std::string log = (folder / "b.h5.log").string();
-  EXPECT_EQ(run(arguments(device.path(), "mit-rows", folder / "b.h5")), 2);  // the log exists
+  EXPECT_EQ(run_touchtrace(arguments(device.path(), "mit-rows", folder / "b.h5")),
+            2);  // the log exists
   EXPECT_EQ(json_of({"recover", log})["glove_frames"], 20u);
   EXPECT_EQ(RecordingReader(folder / "b.h5").recording().gloves.at(0).counts, glove.counts);
-  EXPECT_EQ(run({"recover", log}), 2);  // the recording exists
+  EXPECT_EQ(run_touchtrace({"recover", log}), 2);  // the recording exists
   fs::resize_file(log, fs::file_size(log) - 10);
   EXPECT_EQ(json_of({"recover", log, "--overwrite"})["glove_frames"], 19u);
-  EXPECT_EQ(run({"recover", device.path()}), 2);
+  EXPECT_EQ(run_touchtrace({"recover", device.path()}), 2);
 }
 
 }  // namespace

@@ -1,10 +1,6 @@
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 
 #include "engine/base/crc32c.h"
 #include "engine/base/error.h"
@@ -13,6 +9,8 @@
 #include "pipeline/acquire/record/log.h"
 #include "pipeline/acquire/record/session.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
 
 namespace touchtrace {
 namespace {
@@ -111,12 +109,10 @@ TEST(RecordLog, RandomBytesAreRefusedOrSkipped) {
     for (std::uint64_t k = random.below(400); k > 0; --k)
       bytes.insert(random.below(bytes.size() + 1), 1, static_cast<char>(random.below(256)));
     testing::put(folder / "random.log", bytes);
-    try {
+    testing::expect_read_or_refused([&] {
       LogReader reader(folder / "random.log");
       payloads(reader);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data);
-    }
+    });
   }
 }
 
@@ -147,36 +143,26 @@ SessionInfo small_session() {
   return session;
 }
 
-void append_frame(LogWriter& log, std::uint64_t sequence) {
-  const std::vector<std::uint16_t> counts(6, static_cast<std::uint16_t>(sequence % 1000));
-  const double time_s = static_cast<double>(sequence) / 15.0;
-  log.append(RecordKind::glove_frame,
-             to_payload(FrameStamp{sequence, time_s, time_s}, std::span(counts)));
-}
-
-/// Writes frames until the file has reached the size limit of this process.
-void fill_up(const std::filesystem::path& path) {
-  std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit limit{20'000, 20'000};
-  setrlimit(RLIMIT_FSIZE, &limit);
-  LogWriter log(path);
-  log.append(RecordKind::description, to_bytes(small_session()));
-  for (std::uint64_t i = 0;; ++i) append_frame(log, i);
-}
+/// Log of such a session.
+struct SmallLog : LogWriter {
+  explicit SmallLog(const std::filesystem::path& path) : LogWriter(path) {
+    append(RecordKind::description, to_bytes(small_session()));
+  }
+  void append_frame(std::uint64_t sequence) {
+    const std::vector<std::uint16_t> counts(6, static_cast<std::uint16_t>(sequence % 1000));
+    const double time_s = static_cast<double>(sequence) / 15.0;
+    append(RecordKind::glove_frame,
+           to_payload(FrameStamp{sequence, time_s, time_s}, std::span(counts)));
+  }
+};
 
 TEST(RecordLog, AFullDiskKeepsWhatWasWritten) {
   const TemporaryFolder folder;
-  const pid_t child = fork();
-  if (child == 0) {
-    try {
-      fill_up(folder / "a.log");
-    } catch (const Error&) {
-      _exit(7);
-    }
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(WEXITSTATUS(status), 7);
+  const int code = testing::exit_code_on_small_disk(20'000, [&] {
+    SmallLog log(folder / "a.log");
+    for (std::uint64_t i = 0;; ++i) log.append_frame(i);
+  });
+  EXPECT_EQ(code, static_cast<int>(ExitCode::failed));
   const auto conversion = convert_log(folder / "a.log", folder / "a.h5", false);
   EXPECT_GT(conversion.glove_frames, 200u);
   EXPECT_EQ(conversion.lost_glove_frames, 0u);
@@ -187,11 +173,10 @@ TEST(RecordLog, AFullDiskKeepsWhatWasWritten) {
 TEST(ConvertLog, EachConnectionIsAClip) {
   const TemporaryFolder folder;
   {
-    LogWriter log(folder / "a.log");
-    log.append(RecordKind::description, to_bytes(small_session()));
-    for (std::uint64_t i = 100; i < 130; ++i) append_frame(log, i);
+    SmallLog log(folder / "a.log");
+    for (std::uint64_t i = 100; i < 130; ++i) log.append_frame(i);
     log.append(RecordKind::reconnection, {});
-    for (std::uint64_t i = 200; i < 230; ++i) append_frame(log, i);
+    for (std::uint64_t i = 200; i < 230; ++i) log.append_frame(i);
   }
   const auto conversion = convert_log(folder / "a.log", folder / "a.h5", false);
   EXPECT_EQ(conversion.glove_frames, 60u);
@@ -209,9 +194,8 @@ TEST(ConvertLog, EachConnectionIsAClip) {
 TEST(ConvertLog, RecordsOfAnotherSizeOrOrderAreCounted) {
   const TemporaryFolder folder;
   {
-    LogWriter log(folder / "a.log");
-    log.append(RecordKind::description, to_bytes(small_session()));
-    for (const std::uint64_t i : {5u, 6u, 4u, 7u}) append_frame(log, i);
+    SmallLog log(folder / "a.log");
+    for (const std::uint64_t i : {5u, 6u, 4u, 7u}) log.append_frame(i);
     log.append(RecordKind::glove_frame, bytes_of("too short"));
     log.append(RecordKind::color_image, bytes_of("no camera"));
     log.append(static_cast<RecordKind>(99), bytes_of("unknown"));
@@ -225,9 +209,9 @@ TEST(ConvertLog, RecordsOfAnotherSizeOrOrderAreCounted) {
 TEST(ConvertLog, ADamagedFirstDescriptionHasACopy) {
   const TemporaryFolder folder;
   {
-    LogWriter log(folder / "a.log");
-    for (int i = 0; i < 2; ++i) log.append(RecordKind::description, to_bytes(small_session()));
-    for (std::uint64_t i = 0; i < 5; ++i) append_frame(log, i);
+    SmallLog log(folder / "a.log");
+    log.append(RecordKind::description, to_bytes(small_session()));
+    for (std::uint64_t i = 0; i < 5; ++i) log.append_frame(i);
   }
   std::string bytes = read_file(folder / "a.log");
   bytes[100] ^= 1;
@@ -237,7 +221,7 @@ TEST(ConvertLog, ADamagedFirstDescriptionHasACopy) {
 
 TEST(ConvertLog, ALogWithoutFramesIsAnError) {
   const TemporaryFolder folder;
-  LogWriter(folder / "a.log").append(RecordKind::description, to_bytes(small_session()));
+  SmallLog(folder / "a.log");
   EXPECT_THROW(convert_log(folder / "a.log", folder / "a.h5", false), Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
   LogWriter(folder / "b.log").append(RecordKind::description, bytes_of("{\"rows\": -1}"));

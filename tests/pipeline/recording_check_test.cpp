@@ -8,6 +8,7 @@
 #include "pipeline/recording/check.h"
 #include "pipeline/recording/stream_check.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -24,23 +25,18 @@ FileCheck check_sample(const SampleRecording& sample) {
   return check_file(folder / "a.h5", true, true);
 }
 
-/// Message of the data_error that reading `path` must throw.
-std::string fault_of(const std::filesystem::path& path) {
-  try {
-    check_file(path, true);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data) << error.what();
-    EXPECT_FALSE(error.hint().empty());
-    return error.what();
-  }
-  ADD_FAILURE() << path << " was accepted";
-  return {};
+std::string expect_file_fault(const std::filesystem::path& path, const std::string& fault) {
+  return testing::expect_error([&] { check_file(path, true); }, fault);
 }
 
-std::string fault_of(const SampleRecording& sample) {
+/// Expects that a recording has the fault after `modify` changed it. Returns the message.
+template <class Modify>
+std::string expect_fault(const std::string& fault, const Modify& modify) {
   const TemporaryFolder folder;
+  auto sample = sample_recording();
+  modify(sample);
   write(sample, folder / "a.h5");
-  return fault_of(folder / "a.h5");
+  return expect_file_fault(folder / "a.h5", fault);
 }
 
 bool mentions(const std::string& text, const std::string& part) {
@@ -129,72 +125,62 @@ TEST(Check, RejectsTimesThatRunBackward) {
   auto sample = sample_recording();
   sample.recording.gloves[0].host_time_s[5] = sample.recording.gloves[0].host_time_s[4];
   EXPECT_TRUE(check_sample(sample).is_usable());  // two frames arrived at once
-  sample.recording.gloves[0].host_time_s[5] -= 1e-3;
-  EXPECT_TRUE(
-      mentions(fault_of(sample), "/glove0/host_time_s: expected times that do not run backward"));
-  sample = sample_recording();
-  sample.recording.camera_times.host_time_s[9] = 0.0;
-  EXPECT_TRUE(mentions(fault_of(sample), "/color/host_time_s"));
-  sample = sample_recording();
-  std::swap(sample.recording.gloves[0].sequence[2], sample.recording.gloves[0].sequence[3]);
-  EXPECT_TRUE(mentions(fault_of(sample), "/glove0/sequence"));
-  sample = sample_recording();
-  std::swap(sample.recording.clips[0], sample.recording.clips[1]);
-  EXPECT_TRUE(mentions(fault_of(sample), "clip 1: starts at 10 s, before the previous clip ends"));
+  expect_fault("/glove0/host_time_s: expected times that do not run backward", [](auto& sample) {
+    auto& time_s = sample.recording.gloves[0].host_time_s;
+    time_s[5] = time_s[4] - 1e-3;
+  });
+  expect_fault("/color/host_time_s",
+               [](auto& sample) { sample.recording.camera_times.host_time_s[9] = 0.0; });
+  expect_fault("/glove0/sequence", [](auto& sample) {
+    auto& sequence = sample.recording.gloves[0].sequence;
+    std::swap(sequence[2], sequence[3]);
+  });
+  expect_fault("clip 1: starts at 10 s, before the previous clip ends", [](auto& sample) {
+    std::swap(sample.recording.clips[0], sample.recording.clips[1]);
+  });
 }
 
 TEST(Check, RejectsNaNAndInfinity) {
+  const double nan = std::nan("");
+  expect_fault("/color/device_time_s: expected finite values, found nan at index 3",
+               [&](auto& sample) { sample.recording.camera_times.device_time_s[3] = nan; });
+  expect_fault("/glove0/baseline: expected finite values, found inf at index 7", [](auto& sample) {
+    sample.recording.gloves[0].info.baseline_counts[7] = std::numeric_limits<float>::infinity();
+  });
+  expect_fault("/clips, clip 0: expected start_s < end_s",
+               [&](auto& sample) { sample.recording.clips[0].end_s = nan; });
   auto sample = sample_recording();
-  sample.recording.camera_times.device_time_s[3] = std::nan("");
-  EXPECT_TRUE(mentions(fault_of(sample),
-                       "/color/device_time_s: expected finite values, found nan at index 3"));
-  sample = sample_recording();
-  sample.recording.gloves[0].info.baseline_counts[7] = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(
-      mentions(fault_of(sample), "/glove0/baseline: expected finite values, found inf at index 7"));
-  sample = sample_recording();
-  sample.recording.clips[0].end_s = std::nan("");
-  EXPECT_TRUE(mentions(fault_of(sample), "/clips, clip 0: expected start_s < end_s"));
-  sample = sample_recording();
-  sample.truth.object.position_m[1] = std::nan("");
-  EXPECT_TRUE(mentions(fault_of(sample), "/truth/object/position_m"));
+  sample.truth.object.position_m[1] = nan;
   const TemporaryFolder folder;
   write(sample, folder / "a.h5");
+  expect_file_fault(folder / "a.h5", "/truth/object/position_m");
   EXPECT_THROW(read_truth(folder / "a.h5"), Error);
 }
 
 TEST(Check, RejectsAttributesOutOfRange) {
-  const auto fault_after = [](auto modify) {
-    auto sample = sample_recording();
-    modify(sample.recording);
-    return fault_of(sample);
-  };
-  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.polarity = 0; }),
-                       "/glove0 attribute 'polarity': expected 1 or -1, found 0"));
-  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.bits = 8; }),
-                       "/glove0/counts: expected at most 255 (8 bits)"));
-  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.rate_hz = 0.0; }),
-                       "/glove0 attribute 'rate_hz'"));
-  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.mask.assign(30, 0); }),
-                       "/glove0/mask: expected a taxel"));
-  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.board.square_m = 0.0; }),
-                       "/board attribute 'square_m'"));
+  expect_fault("/glove0/counts: expected at most 255 (8 bits)",
+               [](auto& sample) { sample.recording.gloves[0].info.bits = 8; });
+  expect_fault("/glove0 attribute 'rate_hz'",
+               [](auto& sample) { sample.recording.gloves[0].info.rate_hz = 0.0; });
+  expect_fault("/glove0/mask: expected a taxel",
+               [](auto& sample) { sample.recording.gloves[0].info.mask.assign(30, 0); });
+  expect_fault("/board attribute 'square_m'",
+               [](auto& sample) { sample.recording.board.square_m = 0.0; });
 }
 
 TEST(Check, ListsAllFaultsOfAFileAtOnce) {
-  auto sample = sample_recording();
-  Recording& recording = sample.recording;
-  recording.clips[1].end_s = recording.clips[1].start_s;
-  recording.gloves[0].info.polarity = 3;
-  recording.gloves[0].info.mask[2] = 9;
-  recording.gloves[0].host_time_s[5] = std::nan("");
-  recording.camera_times.sequence[2] = recording.camera_times.sequence[1];
-  recording.board.columns = 1;
-  sample.truth.time_s[1] = 0.0;
-  const std::string fault = fault_of(sample);
+  const auto fault = expect_fault(": 8 faults\n", [](auto& sample) {
+    Recording& recording = sample.recording;
+    recording.clips[1].end_s = recording.clips[1].start_s;
+    recording.gloves[0].info.polarity = 3;
+    recording.gloves[0].info.mask[2] = 9;
+    recording.gloves[0].host_time_s[5] = std::nan("");
+    recording.camera_times.sequence[2] = recording.camera_times.sequence[1];
+    recording.board.columns = 1;
+    sample.truth.time_s[1] = 0.0;
+  });
   for (const char* part :
-       {": 8 faults\n",
-        "/clips, clip 1: ", "/glove0 attribute 'polarity': expected 1 or -1, found 3",
+       {"/clips, clip 1: ", "/glove0 attribute 'polarity': expected 1 or -1, found 3",
         "/glove0/mask: expected 0 and 1, found 9",
         "/glove0/host_time_s: expected finite values, found nan at index 5",
         "/color/sequence: expected strictly increasing values, found 1 after 1 at index 2",
@@ -228,19 +214,14 @@ TEST(Check, ListsAllDamagedImages) {
 
 TEST(Check, RejectsMissingFilesAndOtherFormats) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(mentions(fault_of(folder / "none.h5"), "does not exist"));
-  EXPECT_TRUE(mentions(fault_of(folder.path()), "is not a file"));
-  put(folder / "empty.h5", "");
-  EXPECT_TRUE(mentions(fault_of(folder / "empty.h5"), "is not an HDF5 file"));
-  put(folder / "text.h5", "hello, this is not a recording at all");
-  EXPECT_TRUE(mentions(fault_of(folder / "text.h5"), "is not an HDF5 file"));
-  write(sample_recording(), folder / "r.h5");
-  try {
-    read_labels(folder / "r.h5");
-    ADD_FAILURE() << "a recording was read as labels";
-  } catch (const Error& error) {
-    EXPECT_TRUE(mentions(error.what(), "touchtrace/recording/2"));
+  expect_file_fault(folder / "none.h5", "does not exist");
+  expect_file_fault(folder.path(), "is not a file");
+  for (const char* text : {"", "hello, this is not a recording at all"}) {
+    put(folder / "text.h5", text);
+    expect_file_fault(folder / "text.h5", "is not an HDF5 file");
   }
+  write(sample_recording(), folder / "r.h5");
+  testing::expect_error([&] { read_labels(folder / "r.h5"); }, "touchtrace/recording/2");
 }
 
 TEST(Check, CalibrationNeedsDepthOfTheColourImagesSize) {
@@ -309,10 +290,10 @@ TEST(Check, RejectsTruncatedFiles) {
   const std::string whole = read_file(folder / "a.h5");
   for (int part = 1; part <= 20; ++part) {
     put(folder / "b.h5", whole.substr(0, whole.size() * part / 21));
-    EXPECT_FALSE(fault_of(folder / "b.h5").empty());
+    expect_file_fault(folder / "b.h5", "");
   }
   put(folder / "b.h5", whole.substr(0, whole.size() - 1));
-  EXPECT_FALSE(fault_of(folder / "b.h5").empty());
+  expect_file_fault(folder / "b.h5", "");
 }
 
 TEST(Check, DescribesLabels) {

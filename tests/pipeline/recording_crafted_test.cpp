@@ -2,24 +2,22 @@
 
 #include <cstdlib>
 
-#include "engine/base/error.h"
 #include "pipeline/recording/check.h"
 #include "pipeline/recording/h5_file.h"
+#include "tests/export/python.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
 
-using testing::put;
 using testing::sample_recording;
 using testing::TemporaryFolder;
 
-/// Runs Python code with h5py; `file` is the recording, open for writing.
-int edit(const TemporaryFolder& folder, const std::string& python) {
-  put(folder / "edit.py", "import h5py, numpy as np\nfile = h5py.File('" +
-                              (folder / "a.h5").string() + "', 'r+')\n" + python +
-                              "\nfile.close()\n");
-  return std::system(("/usr/bin/python3 " + (folder / "edit.py").string()).c_str());
+/// Runs Python code; `file` is the recording, open for writing.
+void edit(const TemporaryFolder& folder, const std::string& python) {
+  testing::expect_python(folder.path(),
+                         "file = h5py.File('a.h5', 'r+')\n" + python + "\nfile.close()");
 }
 
 constexpr const char* remake = R"(
@@ -45,14 +43,8 @@ TEST_P(RecordingCrafted, IsRejected) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");
   ASSERT_NO_THROW(check_file(folder / "a.h5", true));
-  ASSERT_EQ(edit(folder, std::string(remake) + GetParam().python), 0);
-  try {
-    check_file(folder / "a.h5", true);
-    ADD_FAILURE() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data) << error.what();
-    EXPECT_NE(std::string(error.what()).find(GetParam().fault), std::string::npos) << error.what();
-  }
+  edit(folder, std::string(remake) + GetParam().python);
+  testing::expect_error([&] { check_file(folder / "a.h5", true); }, GetParam().fault);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -149,30 +141,24 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(RecordingReading, ListsAllFaultsAndNotTheirConsequences) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");
-  ASSERT_EQ(edit(folder, std::string(remake) + R"(
+  edit(folder, std::string(remake) + R"(
 remake('clips/end_s', np.ones(3), 's')
 del file['glove0/counts'], file['truth/hand']
 file['glove0/baseline'].attrs['units'] = np.bytes_('V')
 file['depth'].attrs['rate_hz'] = [1, 2]
 remake('color/sequence', np.zeros(3))
 file['glove0/host_time_s'][3] = np.nan
-)"),
-            0);
-  try {
-    check_file(folder / "a.h5", true);
-    ADD_FAILURE() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()),
-              (folder / "a.h5").string() +
-                  ": 7 faults\n"
-                  "  /glove0/counts: the dataset is missing\n"
-                  "  /glove0/baseline: expected units '1', found 'V'\n"
-                  "  /depth attribute 'rate_hz': expected length 1, found 2\n"
-                  "  /color/sequence: expected shape (54), found (3)\n"
-                  "  /clips/end_s: expected shape (2), found (3)\n"
-                  "  /glove0/host_time_s: expected finite values, found nan at index 3\n"
-                  "  /truth/hand: the group is missing");
-  }
+)");
+  testing::expect_error([&] { check_file(folder / "a.h5", true); },
+                        (folder / "a.h5").string() +
+                            ": 7 faults\n"
+                            "  /glove0/counts: the dataset is missing\n"
+                            "  /glove0/baseline: expected units '1', found 'V'\n"
+                            "  /depth attribute 'rate_hz': expected length 1, found 2\n"
+                            "  /color/sequence: expected shape (54), found (3)\n"
+                            "  /clips/end_s: expected shape (2), found (3)\n"
+                            "  /glove0/host_time_s: expected finite values, found nan at index 3\n"
+                            "  /truth/hand: the group is missing; ");
 }
 
 /// Storage that h5py's users choose, of the same counts.
@@ -182,7 +168,7 @@ TEST_P(StoredCounts, AreReadExactly) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");
-  ASSERT_EQ(edit(folder, std::string(remake) + "remake('glove0/counts', " + GetParam() + ")"), 0);
+  edit(folder, std::string(remake) + "remake('glove0/counts', " + GetParam() + ")");
   EXPECT_EQ(RecordingReader(folder / "a.h5").recording().gloves[0].counts,
             sample.recording.gloves[0].counts);
 }
@@ -198,23 +184,17 @@ INSTANTIATE_TEST_SUITE_P(
                       "counts.astype('f4'), chunks=(5, 4, 3)", "counts.astype('>f8')"),
     [](const auto& instance) { return "Storage" + std::to_string(instance.index); });
 
-std::string fault_in_child(const std::function<void()>& read) {
-  try {
-    h5::run_in_child("file.h5", read);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    return error.what();
-  }
-  return {};
+void expect_fault_in_child(const std::function<void()>& read, const std::string& fault) {
+  testing::expect_error([&] { h5::run_in_child("file.h5", read); }, fault);
 }
 
 TEST(RecordingChild, TurnsCrashesAndMemoryLimitIntoDataErrors) {
   const h5::LibraryLock lock;
-  EXPECT_EQ(fault_in_child([] {}), "");
-  EXPECT_NE(fault_in_child([] { std::abort(); }), "");
-  EXPECT_NE(fault_in_child([] { *static_cast<volatile int*>(nullptr) = 1; }), "");
-  EXPECT_NE(fault_in_child([] { std::vector<char> large(std::size_t{1} << 40, 1); }), "");
-  EXPECT_EQ(fault_in_child([] { throw data_error("damaged", "hint"); }), "damaged");
+  EXPECT_NO_THROW(h5::run_in_child("file.h5", [] {}));
+  expect_fault_in_child([] { std::abort(); }, "");
+  expect_fault_in_child([] { *static_cast<volatile int*>(nullptr) = 1; }, "");
+  expect_fault_in_child([] { std::vector<char> large(std::size_t{1} << 40, 1); }, "");
+  expect_fault_in_child([] { throw data_error("damaged", "hint"); }, "damaged; hint");
 }
 
 }  // namespace

@@ -3,35 +3,24 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "tests/export/python.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
 namespace {
 
+using testing::PythonResult;
+using testing::run_python;
 using testing::sample_labels;
 using testing::sample_recording;
 using testing::TemporaryFolder;
 
-struct Outcome {
-  int status;
-  std::string output;
-};
-
-Outcome run(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::string output;
-  for (int c; (c = std::fgetc(pipe)) != EOF;) output += static_cast<char>(c);
-  return {pclose(pipe), output};
-}
-
-Outcome open_in_h5py(const std::filesystem::path& file) {
-  return run(fmt::format("/usr/bin/python3 {}/tests/pipeline/recording_h5py.py {}",
-                         TOUCHTRACE_SOURCE_DIR, file.string()));
+PythonResult open_in_h5py(const std::filesystem::path& file) {
+  return run_python(TOUCHTRACE_SOURCE_DIR "/tests/pipeline/recording_h5py.py " + file.string());
 }
 
 template <class T>
@@ -43,7 +32,7 @@ TEST(RecordingH5py, EveryDatasetHasUnitsScalesAndChecksums) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");
-  const Outcome opened = open_in_h5py(folder / "a.h5");
+  const PythonResult opened = open_in_h5py(folder / "a.h5");
   EXPECT_EQ(opened.status, 0) << opened.output;
   EXPECT_EQ(opened.output, fmt::format("{} {}\n", sum_of(sample.recording.gloves[0].counts),
                                        sum_of(sample.frames[3].depth)));
@@ -62,7 +51,7 @@ TEST(RecordingH5py, InertialUnitIsReadable) {
     unit.orientation_wxyz.insert(unit.orientation_wxyz.end(), {1, 0, 0, 0});
   }
   write(sample, folder / "a.h5");
-  const Outcome opened = open_in_h5py(folder / "a.h5");
+  const PythonResult opened = open_in_h5py(folder / "a.h5");
   EXPECT_EQ(opened.status, 0) << opened.output;
   EXPECT_TRUE(opened.output.starts_with("47.5\n")) << opened.output;
   const RecordingReader reader(folder / "a.h5");
@@ -79,7 +68,7 @@ TEST(RecordingH5py, InertialUnitIsReadable) {
 TEST(RecordingH5py, LabelsHaveUnitsScalesAndChecksums) {
   const TemporaryFolder folder;
   write_labels(folder / "l.h5", sample_labels(sample_recording().recording), false);
-  const Outcome opened = open_in_h5py(folder / "l.h5");
+  const PythonResult opened = open_in_h5py(folder / "l.h5");
   EXPECT_EQ(opened.status, 0) << opened.output;
 }
 
@@ -96,9 +85,10 @@ std::vector<std::string> readme_examples() {
   return examples;
 }
 
-Outcome run_example(const TemporaryFolder& folder, const std::string& example) {
-  testing::put(folder / "example.py", example);
-  return run("cd " + folder.path().string() + " && /usr/bin/python3 example.py");
+PythonResult run_example(const TemporaryFolder& folder, const std::string& example) {
+  testing::put(folder / "example.py",
+               "import os\nos.chdir('" + folder.path().string() + "')\n" + example);
+  return run_python(folder / "example.py");
 }
 
 TEST(RecordingReadme, ExampleReadsLabels) {
@@ -123,7 +113,7 @@ TEST(RecordingReadme, ExampleReadsLabels) {
   }
   const auto examples = readme_examples();
   ASSERT_EQ(examples.size(), 2u);
-  const Outcome outcome = run_example(folder, examples[0]);
+  const PythonResult outcome = run_example(folder, examples[0]);
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.output, expected);
 }
@@ -145,7 +135,7 @@ TEST(RecordingReadme, ExampleReadsGloveFrames) {
   }
   const auto examples = readme_examples();
   ASSERT_EQ(examples.size(), 2u);
-  const Outcome outcome = run_example(folder, examples[1]);
+  const PythonResult outcome = run_example(folder, examples[1]);
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.output, expected);
 }

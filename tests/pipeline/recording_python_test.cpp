@@ -4,21 +4,19 @@
 #include <cstdlib>
 
 #include "engine/base/error.h"
+#include "tests/export/python.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
 namespace {
 
-using testing::put;
 using testing::sample_recording;
 using testing::TemporaryFolder;
 
 /// Writes a.h5 in the folder with Python code of a user of h5py.
 std::filesystem::path written_by(const TemporaryFolder& folder, const std::string& python) {
-  put(folder / "write.py", "import h5py, json, numpy as np\nfile = h5py.File('" +
-                               (folder / "a.h5").string() + "', 'w')\n" + python +
-                               "\nfile.close()\n");
-  EXPECT_EQ(std::system(("/usr/bin/python3 " + (folder / "write.py").string()).c_str()), 0);
+  testing::expect_python(folder.path(),
+                         "file = h5py.File('a.h5', 'w')\n" + python + "\nfile.close()");
   return folder / "a.h5";
 }
 
@@ -133,10 +131,9 @@ file['notes'] = 'mine'
   EXPECT_NEAR(reader.recording().clips[0].end_s, 0.2, 1e-6);
   EXPECT_EQ(reader.recording().clips[0].hand_box.width, 2);
   EXPECT_EQ(reader.read_camera_frame(3).mask.at(23), mask_hand);
-  const std::string test = "/usr/bin/python3 -c 'import h5py; f = h5py.File(\"" + path.string() +
-                           "\"); assert f[\"notes\"][()] == b\"mine\"; "
-                           "assert f[\"clips/start_s\"][0] == 1.7e9'";
-  EXPECT_EQ(std::system(test.c_str()), 0);
+  testing::expect_python(folder.path(),
+                         "f = h5py.File('a.h5')\nassert f['notes'][()] == b'mine'\n"
+                         "assert f['clips/start_s'][0] == 1.7e9");
 }
 
 /// Moves today's groups to where schema 1 had them.
@@ -158,9 +155,8 @@ TEST(RecordingPython, SchemaOneIsReadAndRewritten) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");
-  put(folder / "edit.py", "import h5py, numpy as np\nfile = h5py.File('" +
-                              (folder / "a.h5").string() + "', 'r+')\n" + to_schema_1);
-  ASSERT_EQ(std::system(("/usr/bin/python3 " + (folder / "edit.py").string()).c_str()), 0);
+  testing::expect_python(folder.path(),
+                         std::string("file = h5py.File('a.h5', 'r+')\n") + to_schema_1);
   rewrite_clips(folder / "a.h5", folder / "b.h5", sample.recording.clips,
                 {{2, sample.frames[2].mask}}, false);
   for (const char* name : {"a.h5", "b.h5"}) {

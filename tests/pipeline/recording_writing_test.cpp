@@ -1,17 +1,18 @@
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 
-#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/small_disk.h"
 
 namespace touchtrace {
 namespace {
 
+using testing::exit_code_on_small_disk;
 using testing::put;
 using testing::sample_labels;
 using testing::sample_recording;
@@ -20,27 +21,6 @@ using testing::TemporaryFolder;
 std::size_t files_in(const TemporaryFolder& folder) {
   const std::filesystem::directory_iterator files(folder.path());
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
-}
-
-/// Exit code of `write` in a child process whose files may not exceed `max_bytes`, like a full
-/// disk. 0: success.
-template <class Write>
-int exit_code_on_small_disk(rlim_t max_bytes, Write write) {
-  const pid_t child = fork();
-  if (child == 0) {
-    const rlimit bound{max_bytes, max_bytes};
-    setrlimit(RLIMIT_FSIZE, &bound);
-    std::signal(SIGXFSZ, SIG_IGN);
-    try {
-      write();
-    } catch (const Error& error) {
-      _exit(static_cast<int>(error.code()));
-    }
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 TEST(RecordingWriting, FullDiskFailsAndLeavesNoFile) {
@@ -121,15 +101,10 @@ TEST(RecordingWriting, RejectsInconsistentSizes) {
   sample = sample_recording();
   sample.recording.gloves[0].counts.pop_back();
   sample.recording.camera_times.host_time_s.pop_back();
-  try {
-    write(sample, folder / "a.h5");
-    ADD_FAILURE() << "accepted";
-  } catch (const Error& error) {  // lists both
-    EXPECT_NE(std::string(error.what()).find("/glove0/counts: expected 1140 elements, found 1139"),
-              std::string::npos)
-        << error.what();
-    EXPECT_NE(std::string(error.what()).find("/depth/host_time_s: expected"), std::string::npos);
-  }
+  const auto fault =
+      testing::expect_error([&] { write(sample, folder / "a.h5"); },
+                            "/glove0/counts: expected 1140 elements, found 1139", {});
+  EXPECT_NE(fault.find("/depth/host_time_s: expected"), std::string::npos) << fault;
   sample = sample_recording();
   sample.recording.gloves.resize(3, sample.recording.gloves[0]);
   EXPECT_THROW(write(sample, folder / "a.h5"), Error);

@@ -11,6 +11,7 @@
 #include "pipeline/scene/objects/object_texts.h"
 #include "pipeline/scene/objects/solids.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -42,14 +43,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 ObjectSpec parsed(const std::string& text) { return parse_object("test", text, "test.toml"); }
 
-std::string rejection_of(const std::string& text) {
-  try {
-    parsed(text);
-    return "";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    return error.what();
-  }
+void expect_rejected(const std::string& text, const std::string& reason = "") {
+  testing::expect_error([&] { parsed(text); }, reason);
 }
 
 /// Mass properties at 1 kg/m^3 by summation over a grid of `cells`^3 points.
@@ -137,7 +132,7 @@ TEST(SceneObjects, TrackedPointIsRelativeToTheCentreOfMass) {
       "color = [1, 1, 1]\n";
   EXPECT_EQ(parsed(off_centre + ball).ball->mass_kg, 0.003);
   EXPECT_NEAR(parsed(off_centre + ball).ball->face_center_m.z(), 0.2, 1e-12);
-  EXPECT_NE(rejection_of("tracked_m = [0, 0, 0.4]\n" + off_centre + ball), "");
+  expect_rejected("tracked_m = [0, 0, 0.4]\n" + off_centre + ball);
   ball = replaced(ball, "face_center_m", "meets_m");  // former name
   EXPECT_NEAR(parsed(off_centre + ball).ball->face_center_m.z(), 0.2, 1e-12);
 }
@@ -172,38 +167,36 @@ TEST(SceneObjects, GivenBodyReplacesComputedMassProperties) {
 }
 
 TEST(SceneObjects, RejectsInvalidFiles) {
-  const auto says = [](const std::string& text, const std::string& expected) {
-    EXPECT_NE(rejection_of(text).find(expected), std::string::npos) << rejection_of(text);
-  };
-  says("", "summary is missing");
-  says("summary = [", "test.toml:1");
-  says(replaced(plain_ball, "0.7", "-0.7"), "friction is -0.7");
-  says(replaced(plain_ball, "0.7", "nan"), "friction is nan");
-  says(replaced(plain_ball, "0.7", "\"high\""), "friction is not a number");
-  says(replaced(plain_ball, "0.2", "-1"), "mass_kg is -1");
-  says(replaced(plain_ball, "0.2", "1e30"), "mass_kg is 1e+30");
-  says(replaced(plain_ball, "0.2", "inf"), "mass_kg is inf");
-  says(replaced(plain_ball, "0.2", "1e-5"), "mass is 1e-05 kg in total");
-  says(replaced(plain_ball, "0.03", "50"), "radius_m is 50");
-  says(replaced(plain_ball, "sphere", "cone"), "shape is not one of sphere, box");
-  says(replaced(plain_ball, "seen", "hidden"), "role is not one of");
-  says(replaced(plain_ball, "friction", "fricton"), "friction is missing");
-  says(plain_ball + "weight = 3\n", "unknown key 'weight'");
-  says("weight = 3\n" + plain_ball, "unknown key 'weight'");
-  says("weight = 3\nsize = 1\n" + plain_ball, "unknown keys 'size', 'weight'");
-  says(plain_ball + "wall_m = 0.03\n", "wall_m is 0.03");
-  says(plain_ball + "axis = [0, 0, 0]\n", "axis has no direction");
-  says(plain_ball + "center_m = [0, 0]\n", "center_m does not hold 3 numbers");
-  says(plain_ball + "[hold]\nacross = [0, 0, 1]\n", "from_palm is parallel to `across`");
-  says("toss_apex_m = [0.3, 0.1]\n" + plain_ball, "toss_apex_m is not [low, high]");
-  says(with_body("inertia_kg_m2 = [1e-5, 1e-5, 3e-5, 0, 0, 0]\n"), "triangle inequality");
-  says(with_body("inertia_kg_m2 = [1e-5, 1e-5, -1e-5, 0, 0, 0]\n"), "positive definite");
-  says(with_body("inertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n"), "farthest point");
-  says(with_body("inertia_kg_m2 = [1e-12, 1e-12, 1e-12, 0, 0, 0]\n"), "thinner than");
-  says(with_body("inertia_kg_m2 = [1e-5, 1e-5]\n"), "does not hold 6 numbers");
-  says(replaced(with_body("inertia_kg_m2 = [8e-5, 8e-5, 8e-5, 0, 0, 0]\n"), "[0, 0, 0]\ni",
-                "[0.5, 0, 0]\ni"),
-       "outside of the solids");
+  expect_rejected("", "summary is missing");
+  expect_rejected("summary = [", "test.toml:1");
+  expect_rejected(replaced(plain_ball, "0.7", "-0.7"), "friction is -0.7");
+  expect_rejected(replaced(plain_ball, "0.7", "nan"), "friction is nan");
+  expect_rejected(replaced(plain_ball, "0.7", "\"high\""), "friction is not a number");
+  expect_rejected(replaced(plain_ball, "0.2", "-1"), "mass_kg is -1");
+  expect_rejected(replaced(plain_ball, "0.2", "1e30"), "mass_kg is 1e+30");
+  expect_rejected(replaced(plain_ball, "0.2", "inf"), "mass_kg is inf");
+  expect_rejected(replaced(plain_ball, "0.2", "1e-5"), "mass is 1e-05 kg in total");
+  expect_rejected(replaced(plain_ball, "0.03", "50"), "radius_m is 50");
+  expect_rejected(replaced(plain_ball, "sphere", "cone"), "shape is not one of sphere, box");
+  expect_rejected(replaced(plain_ball, "seen", "hidden"), "role is not one of");
+  expect_rejected(replaced(plain_ball, "friction", "fricton"), "friction is missing");
+  expect_rejected(plain_ball + "weight = 3\n", "unknown key 'weight'");
+  expect_rejected("weight = 3\n" + plain_ball, "unknown key 'weight'");
+  expect_rejected("weight = 3\nsize = 1\n" + plain_ball, "unknown keys 'size', 'weight'");
+  expect_rejected(plain_ball + "wall_m = 0.03\n", "wall_m is 0.03");
+  expect_rejected(plain_ball + "axis = [0, 0, 0]\n", "axis has no direction");
+  expect_rejected(plain_ball + "center_m = [0, 0]\n", "center_m does not hold 3 numbers");
+  expect_rejected(plain_ball + "[hold]\nacross = [0, 0, 1]\n", "from_palm is parallel to `across`");
+  expect_rejected("toss_apex_m = [0.3, 0.1]\n" + plain_ball, "toss_apex_m is not [low, high]");
+  expect_rejected(with_body("inertia_kg_m2 = [1e-5, 1e-5, 3e-5, 0, 0, 0]\n"),
+                  "triangle inequality");
+  expect_rejected(with_body("inertia_kg_m2 = [1e-5, 1e-5, -1e-5, 0, 0, 0]\n"), "positive definite");
+  expect_rejected(with_body("inertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n"), "farthest point");
+  expect_rejected(with_body("inertia_kg_m2 = [1e-12, 1e-12, 1e-12, 0, 0, 0]\n"), "thinner than");
+  expect_rejected(with_body("inertia_kg_m2 = [1e-5, 1e-5]\n"), "does not hold 6 numbers");
+  expect_rejected(replaced(with_body("inertia_kg_m2 = [8e-5, 8e-5, 8e-5, 0, 0, 0]\n"),
+                           "[0, 0, 0]\ni", "[0.5, 0, 0]\ni"),
+                  "outside of the solids");
 }
 
 TEST(SceneObjects, NameOfTheObjectIsThatOfItsFile) {
@@ -249,8 +242,8 @@ TEST(SceneObjects, DamagedFilesAreParsedOrRejected) {
 }
 
 TEST(SceneObjects, RejectsDeepNesting) {
-  EXPECT_NE(rejection_of("a = " + std::string(30000, '[')), "");
-  EXPECT_NE(rejection_of("a = " + std::string(10000, '[') + std::string(10000, ']')), "");
+  expect_rejected("a = " + std::string(30000, '['));
+  expect_rejected("a = " + std::string(10000, '[') + std::string(10000, ']'));
 }
 
 }  // namespace

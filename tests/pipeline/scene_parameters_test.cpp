@@ -12,6 +12,7 @@
 #include "pipeline/scene/camera/camera_model.h"
 #include "pipeline/scene/camera/visible.h"
 #include "pipeline/scene/simulate/clip.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -71,12 +72,8 @@ TEST(SceneParameters, SettingsAreParsedAndValidated) {
 }
 
 TEST(SceneParameters, MisspelledNameIsCorrected) {
-  try {
-    parse_parameters({"glove-crosstalk=0.024"});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(error.hint().find("'glove-cross-talk'"), std::string::npos) << error.hint();
-  }
+  testing::expect_error([] { parse_parameters({"glove-crosstalk=0.024"}); }, "'glove-cross-talk'",
+                        {});
 }
 
 TEST(SceneParameters, RelativeValuesScale) {

@@ -2,40 +2,15 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "pipeline/scene/objects/solids.h"
-#include "tests/verify/scene/closed_forms.h"
+#include "tests/verify/scene/ball_closed_forms.h"
 #include "tests/verify/scene/setups.h"
 
 namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
-
-/// World after a ball has bounced off the centre of a vertical palm, so that gravity does no work.
-World bounced(const ContactParameters& contact, double speed, double h) {
-  World world(sphere(0.02, 0.0, 0.0286), rigid_arm(), contact);
-  world.hand.orientation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitY());
-  place_above(world, Vector3d::Zero(), 1e-6);
-  world.object.velocity_m_per_s = -speed * (world.hand.orientation * Vector3d::UnitZ());
-  const Drive drive = hold_still(world);
-  constexpr double limit_s = 1.0;
-  bool touched = false;
-  for (int step = 0; step * h < limit_s; ++step) {
-    world.step(drive, h);
-    if (touched && !world.contact().touching()) return world;
-    touched |= world.contact().touching();
-  }
-  ADD_FAILURE() << "no bounce within " << limit_s << " s";
-  return world;
-}
-
-/// Speed after the bounce over that before.
-double restitution(const ContactParameters& contact, double speed, double h) {
-  const World world = bounced(contact, speed, h);
-  return world.object.velocity_m_per_s.dot(world.hand.orientation * Vector3d::UnitZ()) / speed;
-}
 
 TEST(SceneSolids, DistancesAreExactInsideAndOutside) {
   const Solid can{ShapeKind::cylinder, {0.03, 0.05, 0.0}};
@@ -70,12 +45,13 @@ TEST(SceneSolids, NormalsAreGradients) {
 }
 
 TEST(ScenePhysics, MatchesClosedForms) {
-  for (const ClosedForm& form : closed_forms()) {
-    EXPECT_LE(form.error(form.step_s), form.max_error) << form.name;
-    if (form.min_order > 0.0) {
-      EXPECT_GE(order_of_convergence(convergence(form)), form.min_order) << form.name;
+  for (const auto* forms : {&closed_forms(), &ball_closed_forms()})
+    for (const ClosedForm& form : *forms) {
+      EXPECT_LE(form.error(form.step_s), form.max_error) << form.name;
+      if (form.min_order > 0.0) {
+        EXPECT_GE(order_of_convergence(convergence(form)), form.min_order) << form.name;
+      }
     }
-  }
 }
 
 TEST(ScenePhysics, ClosedFormChecksFailForCoarseSteps) {
@@ -101,38 +77,6 @@ TEST(ScenePhysics, RestingBlockPressesWithItsWeight) {
           << mass_kg << " kg, " << h << " s";
 }
 
-TEST(ScenePhysics, BlockSticksBelowTheAngleOfFriction) {
-  World world(block(0.2, 0.5, {0.06, 0.06, 0.02}), rigid_arm());
-  world.hand.orientation = Eigen::AngleAxisd(std::atan(0.3), Vector3d::UnitX());
-  place_above(world, {0.05, 0.0, 0.0}, 0.0002);
-  run(world, hold_still(world), 3.0, 0.0005);
-  EXPECT_LT(world.object.velocity_m_per_s.norm(), 1e-4);
-}
-
-/// The sled still bounces on the palm, so the normal force is taken from the change of its
-/// momentum.
-TEST(ScenePhysics, SledSlidesAboveTheAngleOfFriction) {
-  const double friction = 0.5, seconds = 0.02, h = 0.0005;
-  for (double from_s : {0.04, 0.06, 0.08}) {
-    World sliding(sled(0.2, friction), rigid_arm());
-    sliding.hand.orientation = Eigen::AngleAxisd(std::atan(0.8), Vector3d::UnitX());
-    place_above(sliding, sled_place_m, 0.0002);
-    const Drive drive = hold_still(sliding);
-    run(sliding, drive, from_s, h);
-    const Vector3d before = sliding.object.velocity_m_per_s;
-    run(sliding, drive, seconds, h);
-    const Vector3d acceleration = (sliding.object.velocity_m_per_s - before) / seconds;
-    const Vector3d normal = sliding.object.orientation * Vector3d::UnitZ();
-    const Vector3d downhill =
-        normal * normal.z() - Vector3d::UnitZ();  // its norm is the sine of the slope
-    const double pressed = normal.dot(acceleration + gravity_m_per_s2 * Vector3d::UnitZ());
-    EXPECT_GT(pressed, 0.1 * gravity_m_per_s2) << from_s;
-    EXPECT_NEAR(acceleration.dot(downhill.normalized()),
-                gravity_m_per_s2 * downhill.norm() - friction * pressed, 0.01 * gravity_m_per_s2)
-        << from_s;
-  }
-}
-
 TEST(ScenePhysics, TissueStiffensExponentially) {
   const ContactParameters contact;
   for (double depth_m : {0.0002, 0.001, 0.004, 0.0075}) {
@@ -148,26 +92,6 @@ TEST(ScenePhysics, TissueStiffensExponentially) {
     }
     world.step(hold_still(world), 1e-9);
     EXPECT_NEAR(world.force_on_object_n().z() / expected_n, 1.0, 1e-5) << depth_m;
-  }
-}
-
-TEST(ScenePhysics, DampedBounceMatchesTheClosedForm) {
-  for (double speed : {0.2, 0.5, 1.0})
-    EXPECT_NEAR(restitution({}, speed, 1e-4), closed_form_restitution(3.0, speed), 0.03) << speed;
-}
-
-TEST(ScenePhysics, ElasticBounceConservesEnergyAtSecondOrder) {
-  ContactParameters elastic;
-  elastic.dissipation_s_per_m = 0.0;
-  const double speed = 0.3, kinetic_j = 0.01 * speed * speed;
-  World before(sphere(0.02, 0.0, 0.0286), rigid_arm(), elastic);
-  before.hand.orientation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitY());
-  place_above(before, Vector3d::Zero(), 1e-6);
-  const double height_j = energy_j(before);
-  for (double h : {0.0008, 0.0004, 0.0002, 0.0001, 0.00005}) {
-    const double gain = (energy_j(bounced(elastic, speed, h)) - height_j) / kinetic_j - 1.0;
-    const double swing = h * 600.0;  // natural frequency of 0.02 kg on a dozen taxels of 500 N/m
-    EXPECT_LT(std::abs(gain), 0.1 * swing * swing) << h;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/random.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -25,16 +26,9 @@ TrackFile track_of(const std::string& text, const TrackOptions& options = {}) {
 
 /// Expects a data_error whose message contains all `parts`.
 void expect_refused(const std::string& text, const std::vector<std::string>& parts) {
-  try {
-    track_of(text);
-    ADD_FAILURE() << "accepted: " << text.substr(0, 100);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::data);
-    EXPECT_FALSE(error.hint().empty());
-    for (const auto& part : parts)
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
-          << "no '" << part << "' in: " << error.what();
-  }
+  const std::string fault = testing::expect_error([&] { track_of(text); }, "");
+  for (const auto& part : parts)
+    EXPECT_NE(fault.find(part), std::string::npos) << "no '" << part << "' in: " << fault;
 }
 
 /// Expects the positions (1, 2, 3) and (1.5, 2, 3) m at 0.1 and 0.2 s.
@@ -267,11 +261,9 @@ TEST(TrackFile, DamagedFilesAreReadOrRefused) {
     std::string text = valid;
     for (std::uint64_t changes = 1 + random.below(4); changes > 0; --changes)
       text[random.below(text.size())] = bytes[random.below(bytes.size())];
-    try {
+    testing::expect_read_or_refused([&] {
       num_read += !track_of(text.substr(0, 1 + random.below(2 * text.size()))).track.empty();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::data);
-    }
+    });
   }
   EXPECT_GT(num_read, 30);
 }

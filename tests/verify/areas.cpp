@@ -9,15 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/report/report.h"
-#include "tests/verify/calib/verify_images.h"
-#include "tests/verify/engine/verify_engine.h"
-#include "tests/verify/engine/verify_processes.h"
-#include "tests/verify/labels/verify_labels.h"
-#include "tests/verify/record/steady_recording.h"
-#include "tests/verify/record/verify_record.h"
-#include "tests/verify/recording/verify_recording.h"
-#include "tests/verify/scene/verify_scene.h"
-#include "tests/verify/study/verify_study.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace::verify {
 namespace {
@@ -106,13 +98,6 @@ cli::Command scene_area() {
       {.overwrite = true, .quiet = true}};
 }
 
-Verification verify_whole_engine() {
-  return [](const std::function<void(Figure)>& emit) {
-    verify_processes(emit);
-    verify_engine()(emit);
-  };
-}
-
 }  // namespace
 
 const cli::Program& verify_program() {
@@ -123,8 +108,8 @@ const cli::Program& verify_program() {
       {{"Areas",
         {area("calibration", "photographs of opencv-doc and simulated boards (3 min)",
               calibration_verification()),
-         area("engine", "operations, gradients, training, prediction (10 min)",
-              verify_whole_engine()),
+         area("engine", "extremes, speed of training, start of a process (10 min)",
+              verify_engine()),
          area("first-step", "the first training step of a process", verify_first_step()),
          area("labels", "smoothing, clocks, labels of rendered scenes (40 min)",
               study::verify_labels()),
@@ -136,8 +121,7 @@ const cli::Program& verify_program() {
               verify_hours()),
          area("recording", "crash safety and damaged files (4 min)", verify_recording()),
          scene_area(),
-         area("study", "training and evaluation on a synthetic data set", study::verify_study()),
-         area("weights", "hash of the weights after 200 updates", verify_weights())}}},
+         area("study", "training and evaluation on a synthetic data set", study::verify_study())}}},
       {}};
   return program;
 }

@@ -2,11 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <charconv>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/error.h"
+#include "engine/base/text.h"
 
 namespace touchtrace {
 namespace {
@@ -36,13 +35,11 @@ std::vector<std::uint8_t> rgb_values(const cv::Mat& bgr) {
 }
 
 FrameRange parse_frame_range(const std::string& text) {
+  const auto parts = split_text(text, ':');
   FrameRange range;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, range.first);
-  if (first.ec == std::errc{} && first.ptr != end && *first.ptr == ':') {
-    const auto last = std::from_chars(first.ptr + 1, end, range.last);
-    if (last.ec == std::errc{} && last.ptr == end && range.first <= range.last) return range;
-  }
+  if (parts.size() == 2 && parse_whole(parts[0], range.first) &&
+      parse_whole(parts[1], range.last) && range.first <= range.last)
+    return range;
   throw usage_error(fmt::format("'{}' is not a range of frames", text),
                     "give the first and the last one, e.g. --background-frames 0:20");
 }

@@ -176,6 +176,14 @@ std::optional<fs::path> find_file(const fs::path& folder,
   return std::nullopt;
 }
 
+/// metadata.json, if it has a camera, as exports of Record3D have it.
+std::optional<fs::path> record3d_metadata(const fs::path& folder) {
+  const fs::path file = folder / "metadata.json";
+  if (!fs::is_regular_file(file)) return std::nullopt;
+  const json document = json::parse(read_file(file, max_bytes), nullptr, false);
+  return document.is_object() && has_camera(document) ? std::optional(file) : std::nullopt;
+}
+
 }  // namespace
 
 RgbdCalibration read_intrinsics(const fs::path& file, int width, int height) {
@@ -188,18 +196,6 @@ RgbdCalibration read_intrinsics(const fs::path& file, int width, int height) {
                      "--calibration FILE)");
   return calibration;
 }
-
-namespace {
-
-/// metadata.json, if it has a camera, as exports of Record3D have it.
-std::optional<fs::path> record3d_metadata(const fs::path& folder) {
-  const fs::path file = folder / "metadata.json";
-  if (!fs::is_regular_file(file)) return std::nullopt;
-  const json document = json::parse(read_file(file, max_bytes), nullptr, false);
-  return document.is_object() && has_camera(document) ? std::optional(file) : std::nullopt;
-}
-
-}  // namespace
 
 IntrinsicsFiles find_intrinsics(const fs::path& folder) {
   auto color = find_file(

@@ -52,9 +52,12 @@ class RecordingBuilder {
       case RecordKind::glove_frame:
         return session_.glove && add_glove_frame(record.payload);
       case RecordKind::color_image:
-        return session_.camera && add_color(record.payload);
+        return add_image(record.payload, 3, camera_.width, camera_.height, color_, color_times_,
+                         &RecordingWriter::append_color);
       case RecordKind::depth_image:
-        return session_.camera && add_depth(record.payload);
+        return add_image(record.payload, 1, camera_.depth_image_width(),
+                         camera_.depth_image_height(), depth_, depth_times_,
+                         &RecordingWriter::append_depth);
       case RecordKind::reconnection:
         segments_.push_back(glove_.frames());
         return true;
@@ -79,31 +82,20 @@ class RecordingBuilder {
     return true;
   }
 
-  bool add_color(std::span<const std::uint8_t> payload) {
-    const auto size =
-        3 * static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
-    if (!add_stamp(payload, size, color_, color_times_)) return false;
-    writer_.append_color(color_);
-    return true;
-  }
-  bool add_depth(std::span<const std::uint8_t> payload) {
-    const auto size = static_cast<std::size_t>(camera_.depth_image_width()) *
-                      static_cast<std::size_t>(camera_.depth_image_height());
-    if (!add_stamp(payload, size, depth_, depth_times_)) return false;
-    writer_.append_depth(depth_);
-    return true;
-  }
   template <class Value>
-  static bool add_stamp(std::span<const std::uint8_t> payload, std::size_t size,
-                        std::vector<Value>& values, CameraTimes& times) {
+  bool add_image(std::span<const std::uint8_t> payload, std::size_t channels, int width, int height,
+                 std::vector<Value>& values, CameraTimes& times,
+                 void (RecordingWriter::*append)(const std::vector<Value>&)) {
     FrameStamp stamp;
-    if (!from_payload(payload, size, stamp, values) ||
+    const auto size = channels * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    if (!session_.camera || !from_payload(payload, size, stamp, values) ||
         !follows(stamp, times.sequence, times.host_time_s) ||
         (times.frames() > 0 && stamp.device_time_s < times.device_time_s.back()))
       return false;
     times.sequence.push_back(stamp.sequence);
     times.host_time_s.push_back(stamp.host_time_s);
     times.device_time_s.push_back(stamp.device_time_s);
+    (writer_.*append)(values);
     return true;
   }
 

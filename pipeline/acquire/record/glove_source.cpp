@@ -25,12 +25,6 @@ ParserCounts sum(const ParserCounts& a, const ParserCounts& b) {
           a.out_of_range + b.out_of_range};
 }
 
-/// Returns early if the command is interrupted.
-void wait_until(double time_s) {
-  for (double left_s; !interrupted() && (left_s = time_s - monotonic_s()) > 0.0;)
-    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left_s, read_timeout_s)));
-}
-
 int count_saturated(const GloveInfo& info, std::span<const std::uint16_t> counts) {
   const unsigned saturated = info.polarity > 0 ? (1u << info.bits) - 1 : 0;
   return static_cast<int>(std::ranges::count(counts, saturated));
@@ -104,7 +98,9 @@ double GloveSource::request() {
 double GloveSource::replayed_s(std::uint64_t number) {
   if (!replayed_number_) replayed_number_ = number;
   const double elapsed_s = static_cast<double>(number - *replayed_number_ + 1) / info_.rate_hz;
-  if (options_.replay_speed > 0.0) wait_until(opened_s_ + elapsed_s / options_.replay_speed);
+  if (options_.replay_speed > 0.0)
+    while (!interrupted() && !wait_for_time(opened_s_ + elapsed_s / options_.replay_speed)) {
+    }
   return opened_s_ + elapsed_s;
 }
 

@@ -1,8 +1,5 @@
 #include <fmt/core.h>
 
-#include <chrono>
-#include <thread>
-
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/background.h"
 #include "pipeline/acquire/record/camera_source.h"
@@ -13,7 +10,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double max_wait_s = 0.1, default_rate_hz = 30.0;
+constexpr double default_rate_hz = 30.0;
 
 class ImageReplay : public CameraSource {
  public:
@@ -31,9 +28,7 @@ class ImageReplay : public CameraSource {
 
   void describe(CameraInfo& camera) const override {
     camera = camera_.info;
-    std::vector<double> times_s;
-    for (const SourceImage& image : source_.color.images) times_s.push_back(image.host_time_s);
-    camera.rate_hz = rate_of(times_s, default_rate_hz);
+    camera.rate_hz = rate_of(host_times_s(source_.color), default_rate_hz);
   }
 
   bool step(const RecordSink& sink) override {
@@ -57,10 +52,7 @@ class ImageReplay : public CameraSource {
  private:
   /// Waits until an image is due, but not for long. Returns whether it is due.
   bool wait_until(double host_time_s) const {
-    if (speed_ == 0.0) return true;
-    const double wait_s = replay_start_s_ + (host_time_s - first_s_) / speed_ - monotonic_s();
-    std::this_thread::sleep_for(std::chrono::duration<double>(std::clamp(wait_s, 0.0, max_wait_s)));
-    return wait_s <= max_wait_s;
+    return speed_ == 0.0 || wait_for_time(replay_start_s_ + (host_time_s - first_s_) / speed_);
   }
 
   void pass_on(const RecordSink& sink, bool is_color, std::size_t index, const SourceImage& image) {

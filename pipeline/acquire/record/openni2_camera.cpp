@@ -6,9 +6,7 @@
 #include <fmt/core.h>
 
 #include <atomic>
-#include <chrono>
 #include <opencv2/core.hpp>
-#include <thread>
 #include <tuple>
 
 #include "engine/base/progress.h"
@@ -21,7 +19,7 @@ namespace {
 using openni::OpenNI;
 
 constexpr int default_width = 640, default_height = 480;
-constexpr double default_rate_hz = 30.0, max_wait_s = 0.1;
+constexpr double default_rate_hz = 30.0;
 // A file delivers a frame per request. A request that is not awaited may make it skip a frame.
 constexpr int device_timeout_ms = 100, file_timeout_ms = 2000;
 constexpr float frame_per_request = -1.0f;  // speed of OpenNI2's player
@@ -185,11 +183,7 @@ class OpenniCamera : public CameraSource {
 
   /// Waits until a file's frame is due, but not for long. Returns whether it is due.
   bool wait_until_due() const {
-    if (speed_ == 0.0) return true;
-    const double due_s = replay_start_s_ + (device_time_s_ - *first_s_) / speed_;
-    const double wait_s = due_s - monotonic_s();
-    std::this_thread::sleep_for(std::chrono::duration<double>(std::clamp(wait_s, 0.0, max_wait_s)));
-    return wait_s <= max_wait_s;
+    return speed_ == 0.0 || wait_for_time(replay_start_s_ + (device_time_s_ - *first_s_) / speed_);
   }
 
   void pass_on(const RecordSink& sink) const {

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
@@ -29,6 +31,13 @@ std::uint16_t parse_usb_id(const std::string& text, const std::string& port) {
 
 double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool wait_for_time(double time_s) {
+  constexpr double max_wait_s = 0.1;
+  const double wait_s = time_s - monotonic_s();
+  std::this_thread::sleep_for(std::chrono::duration<double>(std::clamp(wait_s, 0.0, max_wait_s)));
+  return wait_s <= max_wait_s;
 }
 
 bool is_replay(const std::string& port) {

@@ -33,6 +33,8 @@ class Transport {
 
 /// Seconds of the machine's monotonic clock.
 double monotonic_s();
+/// Sleeps until a time of monotonic_s(), but for 0.1 s at most. Returns whether that time has come.
+bool wait_for_time(double time_s);
 
 struct SerialLine {
   int baud = 115200;

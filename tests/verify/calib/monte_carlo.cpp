@@ -1,18 +1,15 @@
 #include "tests/verify/calib/monte_carlo.h"
 
 #include <Eigen/Cholesky>
-#include <atomic>
 #include <cmath>
-#include <ctime>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/lens_choice.h"
 #include "calib/rgbd/prior.h"
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 #include "engine/base/progress.h"
+#include "tests/verify/support/thread_clock.h"
 
 namespace touchtrace {
 namespace {
@@ -23,12 +20,6 @@ struct Run {
   bool has_free_deformation = false;
   std::vector<std::string> names;
 };
-
-double thread_cpu_s() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 double normalized_square(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
@@ -54,11 +45,11 @@ Run run_once(const SimulatedBoards& all, int index) {
   RandomStream random(static_cast<std::uint64_t>(index), "simulated noise");
   const SimulatedBoards boards = draw_from_prior(all, random);
   const BoardObservations observations = observe(boards, random);
-  const double start_s = thread_cpu_s();
+  const double start_s = thread_cpu_seconds();
   const RgbdCalibration c =
       calibrate(observations, {.lenses = {lens_name(fitted_lens(boards).named)}});
   Run run;
-  run.cpu_s = thread_cpu_s() - start_s;
+  run.cpu_s = thread_cpu_seconds() - start_s;
   run.has_free_deformation = c.details["target_deformation"]["chosen"] == "free";
   run.names = c.parameters;
   run.error = errors(c, boards.truth);
@@ -72,28 +63,11 @@ Run run_once(const SimulatedBoards& all, int index) {
 
 std::vector<Run> run_all(const SimulatedBoards& boards, int count) {
   std::vector<Run> runs(static_cast<std::size_t>(count));
-  std::atomic<int> next = 0;
-  std::mutex mutex;
-  std::exception_ptr failed;
   Progress progress("simulated calibrations", static_cast<std::uint64_t>(count));
-  const auto work = [&] {
-    try {
-      for (int i = next++; i < count; i = next++) {
-        runs[static_cast<std::size_t>(i)] = run_once(boards, i);
-        progress.advance();
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failed = std::current_exception();
-      next = count;
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
-      threads.emplace_back(work);
-  }
-  if (failed) std::rethrow_exception(failed);
+  parallel_for(runs.size(), 0, [&](std::size_t i) {
+    runs[i] = run_once(boards, static_cast<int>(i));
+    progress.advance();
+  });
   return runs;
 }
 

@@ -243,6 +243,11 @@ BoardObservations observe(const SimulatedBoards& boards, RandomStream& random) {
   return observed;
 }
 
+BoardObservations observe(const SimulatedBoards& boards, std::uint64_t seed) {
+  RandomStream random(seed, "noise");
+  return observe(boards, random);
+}
+
 Eigen::VectorXd errors(const RgbdCalibration& c, const RgbdParameters& truth) {
   const auto estimated = c.color.parameters();
   const auto names = intrinsic_names(c.color.lens);

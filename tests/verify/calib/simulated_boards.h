@@ -43,6 +43,8 @@ SimulatedBoards with_deformed_target(SimulatedBoards boards, double sigma_m, Ran
 
 /// Adds noise to corners and depth, and the factory's error of 0.5 % to the depth intrinsics.
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random);
+/// With noise from the random stream of this seed.
+BoardObservations observe(const SimulatedBoards& boards, std::uint64_t seed);
 
 /// Estimate minus truth, in the order of RgbdCalibration::parameters. Rotation: log(R_estimate
 /// R_truth'). The calibration must have the lens of the truth.

@@ -265,7 +265,6 @@ void measure_smoothing(const Emit& emit) {
   measure_with_errors("pingpong, correlated errors", smoothing_sample(synthetic_pingpong),
                       ErrorKind::correlated, emit);
   measure_with_errors("wave, gaps", wave, ErrorKind::gaps, emit);
-  measure_extremes(emit);
   measure_clock(emit);
   measure_speed("100k", 1e5, 0.2, emit);
   measure_speed("1M", 1e6, 2.0, emit);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
+#include "engine/base/provenance.h"
 #include "engine/base/statistics.h"
 #include "tests/verify/calib/monte_carlo.h"
 #include "tests/verify/calib/simulated_rig.h"
@@ -100,9 +100,9 @@ double lens_choice_cpu_ms() {
   for (int run = 0; run < timed_runs; ++run) {
     RandomStream random(static_cast<std::uint64_t>(run), "timed noise");
     const BoardObservations observed = observe(color_boards(0.2), random);
-    const std::clock_t start = std::clock();
+    const Stopwatch stopwatch;
     calibrate(observed);
-    ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    ms.push_back(1e3 * stopwatch.cpu_seconds());
   }
   return median(std::move(ms));
 }

@@ -1,5 +1,3 @@
-#include "tests/verify/calib/verify_images.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +7,7 @@
 #include "engine/base/error.h"
 #include "pipeline/acquire/board_views.h"
 #include "tests/verify/calib/verify_calibration.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace {
 namespace {

@@ -18,14 +18,9 @@ void FlatParameters::set(const std::string& name, const std::vector<double>& gra
   std::ranges::copy(grad, gradient.begin() + static_cast<std::ptrdiff_t>(table.at(name).offset));
 }
 
-EncoderTrace encode_reference(const std::string& name, const ConvStackShape& shape, int embedding,
-                              const FlatParameters& p, std::vector<double> windows) {
-  EncoderTrace trace{.name = name,
-                     .shapes = shape.layers(),
-                     .layers = {},
-                     .sums = {},
-                     .dense = {},
-                     .embedding = {}};
+ConvStackTrace conv_stack_reference(const std::string& name, const ConvStackShape& shape,
+                                    const FlatParameters& p, std::vector<double> windows) {
+  ConvStackTrace trace{name, shape.layers(), {}, {}};
   trace.layers[0] = std::move(windows);
   for (int i = 0; i < 3; ++i) {
     const auto layer = trace.conv(i + 1);
@@ -33,6 +28,24 @@ EncoderTrace encode_reference(const std::string& name, const ConvStackShape& sha
                                          p[layer + ".bias"]);
     for (double sum : trace.sums[i]) trace.layers[i + 1].push_back(std::max(sum, 0.0));
   }
+  return trace;
+}
+
+void conv_stack_backward_reference(const ConvStackTrace& trace, std::vector<double> grad,
+                                   FlatParameters& p) {
+  for (int i = 3; i >= 1; --i) {
+    for (std::size_t j = 0; j < grad.size(); ++j)
+      if (!(trace.layers[i][j] > 0)) grad[j] = 0.0;
+    auto below = conv2d_backward_reference(trace.shapes[i - 1], trace.layers[i - 1],
+                                           p[trace.conv(i) + ".weight"], grad);
+    p.set(trace.conv(i) + ".weight", below.weight), p.set(trace.conv(i) + ".bias", below.bias);
+    grad = std::move(below.in);
+  }
+}
+
+EncoderTrace encode_reference(const std::string& name, const ConvStackShape& shape, int embedding,
+                              const FlatParameters& p, std::vector<double> windows) {
+  EncoderTrace trace{conv_stack_reference(name, shape, p, std::move(windows)), {}, {}};
   trace.dense.resize(std::size_t(shape.windows.windows) * embedding);
   trace.dense = dense_reference(trace.dense_shape(), trace.layers[3], p[name + ".dense.weight"],
                                 p[name + ".dense.bias"]);
@@ -50,15 +63,7 @@ void encode_backward_reference(const EncoderTrace& trace, const std::vector<doub
   const auto dense = dense_backward_reference(trace.dense_shape(), trace.layers[3],
                                               p[name + ".dense.weight"], norm.x);
   p.set(name + ".dense.weight", dense.weight), p.set(name + ".dense.bias", dense.bias);
-  std::vector<double> grad = dense.in;
-  for (int i = 3; i >= 1; --i) {
-    for (std::size_t j = 0; j < grad.size(); ++j)
-      if (!(trace.layers[i][j] > 0)) grad[j] = 0.0;
-    auto below = conv2d_backward_reference(trace.shapes[i - 1], trace.layers[i - 1],
-                                           p[trace.conv(i) + ".weight"], grad);
-    p.set(trace.conv(i) + ".weight", below.weight), p.set(trace.conv(i) + ".bias", below.bias);
-    grad = std::move(below.in);
-  }
+  conv_stack_backward_reference(trace, dense.in, p);
 }
 
 }  // namespace touchtrace

@@ -20,20 +20,33 @@ struct FlatParameters {
   void set(const std::string& name, const std::vector<double>& grad);
 };
 
-/// Forward pass of a tactile encoder with the values that its backward pass needs.
-struct EncoderTrace {
+/// Forward pass of an encoder's convolutions with the values that the backward pass needs.
+struct ConvStackTrace {
   std::string name;
   std::array<Conv2dShape, 3> shapes;
   std::array<std::vector<double>, 4> layers;  ///< windows, then the output of each layer
   std::array<std::vector<double>, 3> sums;    ///< pre-activations
+
+  std::string conv(int layer) const { return name + ".conv" + std::to_string(layer); }
+};
+
+/// Forward pass of a tactile encoder.
+struct EncoderTrace : ConvStackTrace {
   std::vector<double> dense, embedding;
 
   DenseShape dense_shape() const {
     const int windows = shapes[0].images;
     return {windows, int(layers[3].size()) / windows, int(dense.size()) / windows};
   }
-  std::string conv(int layer) const { return name + ".conv" + std::to_string(layer); }
 };
+
+/// Reference of conv_stack.h in plain loops. `windows`: from tactile_window_reference().
+ConvStackTrace conv_stack_reference(const std::string& name, const ConvStackShape& shape,
+                                    const FlatParameters& parameters, std::vector<double> windows);
+
+/// Sets the gradients of weights and biases.
+void conv_stack_backward_reference(const ConvStackTrace& trace, std::vector<double> grad_features,
+                                   FlatParameters& parameters);
 
 /// Reference of tactile_encoder.h in plain loops. `windows`: from tactile_window_reference().
 EncoderTrace encode_reference(const std::string& name, const ConvStackShape& shape, int embedding,

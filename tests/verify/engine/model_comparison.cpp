@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/check/operation_check.h"
 #include "engine/train/batch_rows.h"
 #include "engine/train/noise_batch.h"
 
@@ -31,21 +32,12 @@ std::vector<double> by_step(const std::vector<float>& values, int sequences, int
 
 }  // namespace
 
-double relative_distance(const std::vector<double>& actual, const std::vector<double>& reference) {
-  double off = 0.0, scale = 0.0;
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    off += std::pow(actual.at(i) - reference[i], 2);
-    scale += std::pow(reference[i], 2);
-  }
-  return std::sqrt(off / scale);
-}
-
 double ModelComparison::loss_error() const {
   return std::abs(device.loss - reference.loss) / reference.loss;
 }
 
 double ModelComparison::gradient_error() const {
-  return relative_distance(device.gradient, reference.gradient);
+  return norm_error(device.gradient, reference.gradient);
 }
 
 ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,

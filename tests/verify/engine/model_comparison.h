@@ -17,7 +17,7 @@ struct ModelComparison {
   ModelProblem problem;
 
   double loss_error() const;      ///< relative
-  double gradient_error() const;  ///< relative, in norm; NaN if the device gives one
+  double gradient_error() const;  ///< norm_error()
 };
 
 /// `frame_value`: applied to each standard normal taxel value; empty: identity.
@@ -30,8 +30,5 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
 ModelComparison compare_away_from_kinks(Runtime& runtime, const ModelSpec& spec, int sequences,
                                         int steps, std::uint32_t& seed,
                                         const std::function<float(float)>& frame_value = {});
-
-/// ||actual - reference|| / ||reference||
-double relative_distance(const std::vector<double>& actual, const std::vector<double>& reference);
 
 }  // namespace touchtrace

@@ -1,5 +1,3 @@
-#include "tests/verify/labels/verify_labels.h"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 #include "tests/verify/calib/smoothing_figures.h"
 #include "tests/verify/labels/label_trials.h"
 #include "tests/verify/labels/tracker_table.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace::study {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/verify/record/damaged_files.h"
-
 #include <algorithm>
 
 #include "calib/rgbd/calibration.h"
@@ -8,6 +6,7 @@
 #include "engine/train/model_file.h"
 #include "pipeline/acquire/record/log.h"
 #include "tests/verify/record/child_program.h"
+#include "tests/verify/record/verify_record.h"
 #include "tests/verify/study/noise_model.h"
 #include "tests/verify/support/bit_flips.h"
 

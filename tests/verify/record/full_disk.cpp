@@ -1,5 +1,3 @@
-#include "tests/verify/record/full_disk.h"
-
 #include <fcntl.h>
 #include <sched.h>
 #include <sys/mount.h>
@@ -10,6 +8,7 @@
 #include "pipeline/recording/recording_file.h"
 #include "tests/verify/record/child_program.h"
 #include "tests/verify/record/live_rows.h"
+#include "tests/verify/record/verify_record.h"
 
 namespace touchtrace {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/verify/record/power_loss.h"
-
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -15,6 +13,7 @@
 #include "pipeline/acquire/record/session.h"
 #include "pipeline/acquire/transport/transport.h"
 #include "tests/verify/record/killed_recorder.h"
+#include "tests/verify/record/verify_record.h"
 
 namespace touchtrace {
 namespace {

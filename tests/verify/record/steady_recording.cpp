@@ -1,5 +1,3 @@
-#include "tests/verify/record/steady_recording.h"
-
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -17,6 +15,8 @@
 #include "pipeline/acquire/record/recorder.h"
 #include "tests/support/pseudo_terminal.h"
 #include "tests/verify/record/live_rows.h"
+#include "tests/verify/record/verify_record.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace {
 namespace {
@@ -141,8 +141,15 @@ fs::path fast_folder(const fs::path& otherwise) {
   return access(memory.c_str(), W_OK) == 0 ? memory : otherwise;
 }
 
-}  // namespace
+struct SteadyRecording {
+  double wall_s = 0.0, cpu_s = 0.0, duration_s = 0.0;  ///< duration_s: recorded
+  std::uint64_t discarded_frames = 0;                  ///< because the disk was too slow
+  std::uint64_t missing_frames = 0;                    ///< sent by a device, but not in the log
+  std::vector<double> memory_bytes;                    ///< resident; median of each recorded hour
+};
 
+/// Records at `speed` times the rates of measure_load(). With a speed above 1, what was written is
+/// removed from the log at once, because 8 hours would need 1.3 TB. Ctrl-C ends it.
 SteadyRecording record_steadily(const fs::path& folder, double duration_s, double speed) {
   const TemporaryFile file{folder / fmt::format("touchtrace-{}.log", getpid())};
   const fs::path& log = file.path;
@@ -183,6 +190,8 @@ SteadyRecording record_steadily(const fs::path& folder, double duration_s, doubl
   result.memory_bytes = memory.medians();
   return result;
 }
+
+}  // namespace
 
 void measure_load(const fs::path& folder, const std::function<void(Figure)>& emit) {
   const SteadyRecording load = record_steadily(folder, 10.0, 1.0);

@@ -7,12 +7,9 @@
 #include "engine/base/random.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/glove/protocol.h"
-#include "tests/verify/record/damaged_files.h"
-#include "tests/verify/record/full_disk.h"
 #include "tests/verify/record/killed_recorder.h"
 #include "tests/verify/record/live_latency.h"
-#include "tests/verify/record/power_loss.h"
-#include "tests/verify/record/steady_recording.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/verify/recording/verify_recording.h"
-
 #include <signal.h>
 #include <sys/wait.h>
 
@@ -12,6 +10,7 @@
 #include "pipeline/recording/recording_file.h"
 #include "tests/verify/recording/file_content.h"
 #include "tests/verify/support/bit_flips.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/verify/scene/precision.h"
 #include "tests/verify/scene/setups.h"
+#include "tests/verify/scene/verify_scene.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -1,5 +1,3 @@
-#include "tests/verify/scene/precision.h"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -7,7 +5,8 @@
 #include <numbers>
 
 #include "tests/verify/scene/setups.h"
-#include "tests/verify/scene/thread_clock.h"
+#include "tests/verify/scene/verify_scene.h"
+#include "tests/verify/support/thread_clock.h"
 
 namespace touchtrace::scene {
 namespace {

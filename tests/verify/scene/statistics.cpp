@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/statistics.h"
+
 namespace touchtrace::scene {
 namespace {
 
@@ -59,14 +61,6 @@ double turn_in_hand_rad(const ClipMotion& clip) {
 
 }  // namespace
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return std::nan("");
-  const auto nth =
-      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
   ClipStatistics s;
   std::vector<double> grip_n;
@@ -84,8 +78,8 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
     readings += static_cast<double>(clip.glove.counts.size());
     saturated += static_cast<double>(std::ranges::count(clip.glove.counts, 1023));
   }
-  s.grip_p01_n = percentile(grip_n, 0.01);
-  s.grip_p99_n = percentile(grip_n, 0.99);
+  s.grip_p01_n = quantile(grip_n, 0.01);
+  s.grip_p99_n = quantile(grip_n, 0.99);
   s.saturated_share = saturated / readings;
   s.force_residual = force_residual(clips, object);
   return s;

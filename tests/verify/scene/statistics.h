@@ -15,8 +15,6 @@ struct ClipStatistics {
   std::vector<double> apex_m;                 ///< of every flight, above its release
   std::vector<double> turn_in_hand_rad;       ///< largest rotation in the hand, of each held clip
 };
-/// NaN for no values.
-double percentile(std::vector<double> values, double share);
 
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object);
 

@@ -11,7 +11,7 @@
 #include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/simulate/simulate.h"
 #include "tests/verify/scene/glove_statistics.h"
-#include "tests/verify/scene/verify_scene.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace::scene {
 namespace {

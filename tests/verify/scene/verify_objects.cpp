@@ -5,13 +5,14 @@
 #include <thread>
 
 #include "engine/base/provenance.h"
+#include "engine/base/statistics.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
 #include "tests/verify/scene/bounces.h"
 #include "tests/verify/scene/probe.h"
 #include "tests/verify/scene/statistics.h"
-#include "tests/verify/scene/thread_clock.h"
 #include "tests/verify/scene/verify_scene.h"
+#include "tests/verify/support/thread_clock.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -49,11 +50,11 @@ void verify_bounces(const std::string& what, const std::vector<ClipMotion>& clip
                     const ObjectSpec& object, const Emit& emit) {
   const BounceStatistics s = bounce_statistics(clips, object);
   emit(within(what + "hits per second", s.rate_hz, "1/s", 1.5, 3.5));
-  emit(at_least(what + "1st percentile of apexes", percentile(s.apex_m, 0.01), "m", 0.09));
-  emit(at_most(what + "99th percentile of apexes", percentile(s.apex_m, 0.99), "m", 0.45));
+  emit(at_least(what + "1st percentile of apexes", quantile(s.apex_m, 0.01), "m", 0.09));
+  emit(at_most(what + "99th percentile of apexes", quantile(s.apex_m, 0.99), "m", 0.45));
   emit(at_least(what + "fraction of hits with a decelerating racket", s.braking_share, "", 0.5));
   emit(reported(what + "distance of hits from the centre, 95th percentile",
-                percentile(s.aside_m, 0.95), "m"));
+                quantile(s.aside_m, 0.95), "m"));
 }
 
 void verify_object(const std::string& activity, const ObjectSpec& object, const Emit& emit) {
@@ -68,7 +69,7 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
   emit(at_most(what + "fraction of clips with too deep contacts", s.clamped_clip_share, "", 0.0));
   emit(at_most(what + "fraction of saturated readings", s.saturated_share, "", 0.01));
   emit(reported(what + "largest rotation in the hand, median of clips",
-                percentile(s.turn_in_hand_rad, 0.5), "rad"));
+                quantile(s.turn_in_hand_rad, 0.5), "rad"));
   if (object.ball) verify_bounces(what, run.clips, object, emit);
   if (activity != "throw") return;
   emit(at_most(what + "highest toss", std::ranges::max(s.apex_m), "m", 0.45));

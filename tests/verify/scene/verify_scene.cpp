@@ -6,7 +6,7 @@
 #include "pipeline/scene/person/activity.h"
 #include "tests/verify/scene/ball_closed_forms.h"
 #include "tests/verify/scene/closed_forms.h"
-#include "tests/verify/scene/precision.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -1,19 +1,10 @@
 #pragma once
 
-#include <filesystem>
-
 #include "tests/verify/support/figure.h"
 
 namespace touchtrace::scene {
 
-/// Rows of `touchtrace-verify scene`: closed forms, error over run time, statistics of clips,
-/// speed.
-Verification verify_scene();
-
-/// Rows of `touchtrace-verify scene --real FOLDER`: statistics of the gloves in a folder of
-/// recordings, and those of simulated gloves, which should be within the range of the recorded
-/// ones.
-Verification verify_gloves(const std::filesystem::path& folder);
+// Groups of rows of `touchtrace-verify scene`.
 
 /// Speed of physics and glove relative to real time, with one clip per core.
 void verify_speed(const std::string& activity, const std::function<void(Figure)>& emit);
@@ -29,6 +20,13 @@ void verify_balance(const std::function<void(Figure)>& emit);
 
 /// Inertial unit: at rest, and its integrated angular velocity.
 void verify_inertial(const std::function<void(Figure)>& emit);
+
+/// Error over run time: position of the object after 1 s of a stiff grip, an impact and a catch,
+/// against a step 100 times smaller than the default.
+void verify_precision(const std::function<void(Figure)>& emit);
+
+/// Energy, forces and speeds over a grid of masses, stiffnesses, friction coefficients and steps.
+void verify_extremes(const std::function<void(Figure)>& emit);
 
 /// Whether one tactile frame tells the hand's position, which would be an artefact.
 void verify_probe(const std::string& activity, const std::function<void(Figure)>& emit);

@@ -1,5 +1,3 @@
-#include "tests/verify/study/verify_study.h"
-
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -8,6 +6,7 @@
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/training.h"
 #include "tests/verify/study/synthetic.h"
+#include "tests/verify/verifications.h"
 
 namespace touchtrace::study {
 namespace {

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 
 #include "calib/rgbd/foreign_calibration.h"
@@ -136,11 +135,7 @@ bool is_registered(const ImageTopic& color, const ImageTopic& depth) {
 
 }  // namespace
 
-bool is_bag(const std::filesystem::path& file) {
-  std::string start(9, '\0');
-  return std::filesystem::is_regular_file(file) &&
-         std::ifstream(file, std::ios::binary).read(start.data(), 9) && start == bag_magic;
-}
+bool is_bag(const std::filesystem::path& file) { return begins_with(file, bag_magic); }
 
 ImportSource open_bag_source(const std::filesystem::path& file, const SourceOptions& options) {
   return open_messages(std::make_shared<BagFile>(file), options);

@@ -1,16 +1,13 @@
 #include "pipeline/acquire/import/bags/mcap_file.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
-
-#include "engine/base/error.h"
+#include <stdexcept>
+#include <string_view>
 
 namespace touchtrace {
 namespace {
 
 constexpr std::string_view magic = "\x89MCAP0\r\n";
-constexpr std::size_t max_chunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t record_header = 9;    // operation and length
 constexpr std::size_t message_header = 22;  // channel, sequence, times of log and publication
 
@@ -20,48 +17,15 @@ std::string read_text(ByteReader& reader) { return reader.text(reader.number<std
 
 }  // namespace
 
-bool is_mcap(const std::filesystem::path& file) {
-  std::string start(magic.size(), '\0');
-  return std::filesystem::is_regular_file(file) &&
-         std::ifstream(file, std::ios::binary)
-             .read(start.data(), static_cast<std::streamsize>(start.size())) &&
-         start == magic;
-}
+bool is_mcap(const std::filesystem::path& file) { return begins_with(file, magic); }
 
 std::string ros_type(std::string type) {
   if (const auto at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
   return type;
 }
 
-McapFile::McapFile(std::filesystem::path file)
-    : file_(std::move(file)),
-      stream_(file_, std::ios::binary),
-      file_bytes_(std::filesystem::file_size(file_)) {
-  try {
-    read_index();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw data_error(fmt::format("cannot read {}: {}", file_.string(), error.what()),
-                     "give a complete MCAP file; `mcap recover` repairs some");
-  }
-}
-
-std::string McapFile::read_bytes(std::uint64_t position, std::uint64_t size) {
-  if (position > file_bytes_ || size > file_bytes_ - position)
-    throw std::out_of_range("the file ends early");
-  std::string bytes(size, '\0');
-  stream_.clear();
-  stream_.seekg(static_cast<std::streamoff>(position));
-  if (!stream_.read(bytes.data(), static_cast<std::streamsize>(size)))
-    throw std::out_of_range("the file ends early");
-  return bytes;
-}
-
-void McapFile::read_index() {
-  read_records(file_, magic.size(),
-               file_bytes_ - std::min<std::uint64_t>(file_bytes_, magic.size()), num_messages_,
-               [this](std::uint64_t position) { return read_record(position); });
+McapFile::McapFile(const std::filesystem::path& file) : ChunkedFile(file) {
+  read_index(magic, magic.size(), "give a complete MCAP file; `mcap recover` repairs some");
 }
 
 std::uint64_t McapFile::read_record(std::uint64_t position) {
@@ -70,18 +34,16 @@ std::uint64_t McapFile::read_record(std::uint64_t position) {
   const auto operation = reader.number<std::uint8_t>();
   const auto size = reader.number<std::uint64_t>();
   const std::uint64_t content = position + record_header;
-  if (size > file_bytes_ - content) throw std::out_of_range("the file ends early");
-  if (size > max_chunk_bytes)
-    throw std::runtime_error(fmt::format("a record of {} bytes is too large", size));
-  if (operation == chunk_of_records) add_chunk(content, size);
+  require_bytes(content, size);
+  if (operation == chunk_of_records) add_compressed(content, size);
   if (operation == schema || operation == channel || operation == message) {
-    chunks_.push_back({content, size, size, Compression::none});
-    add_record(operation, load(chunks_.size() - 1), chunks_.size() - 1, 0);
+    const std::size_t chunk = add_chunk(content, size, size, Compression::none);
+    add_record(operation, load(chunk), chunk, 0);
   }
   return content + size;
 }
 
-void McapFile::add_chunk(std::uint64_t content, std::size_t size) {
+void McapFile::add_compressed(std::uint64_t content, std::size_t size) {
   const std::string start = read_bytes(content, std::min<std::size_t>(size, 1024));
   ByteReader reader(bytes_of(start));
   reader.take(16);  // times of the first and last message
@@ -90,14 +52,10 @@ void McapFile::add_chunk(std::uint64_t content, std::size_t size) {
   const std::string name = read_text(reader);
   const auto stored = reader.number<std::uint64_t>();
   const std::uint64_t header = 16 + 8 + 4 + 4 + name.size() + 8;
-  if (stored > size - header || bytes > max_chunk_bytes)
-    throw std::runtime_error("a chunk states a wrong size");
-  const auto compression = find_compression(name);
-  if (!compression || *compression == Compression::bz2)
-    throw data_error(fmt::format("{}: compression '{}' is not supported", file_.string(), name),
-                     "`mcap compress --compression zstd IN -o OUT` writes another file");
-  chunks_.push_back({content + header, stored, bytes, *compression});
-  index_records(chunks_.size() - 1);
+  if (stored > size - header) throw std::runtime_error("a chunk states a wrong size");
+  const Compression compression = compression_of(
+      name, Compression::bz2, "`mcap compress --compression zstd IN -o OUT` writes another file");
+  index_records(add_chunk(content + header, stored, bytes, compression));
 }
 
 void McapFile::index_records(std::size_t chunk) {
@@ -118,7 +76,7 @@ void McapFile::add_record(std::uint8_t operation, ByteSpan content, std::size_t 
     types_[number] = ros_type(read_text(reader));
   }
   if (operation == channel) add_channel(reader);
-  if (operation == message) add_message(content, chunk, offset);
+  if (operation == message) index_message(content, chunk, offset);
 }
 
 void McapFile::add_channel(ByteReader content) {
@@ -130,7 +88,7 @@ void McapFile::add_channel(ByteReader content) {
   topics_[topic].serialization = encoding == "cdr" ? RosSerialization::cdr : RosSerialization::ros1;
 }
 
-void McapFile::add_message(ByteSpan content, std::size_t chunk, std::size_t offset) {
+void McapFile::index_message(ByteSpan content, std::size_t chunk, std::size_t offset) {
   ByteReader reader(content);
   const auto channel_number = reader.number<std::uint16_t>();
   reader.take(4);  // sequence
@@ -138,26 +96,12 @@ void McapFile::add_message(ByteSpan content, std::size_t chunk, std::size_t offs
   reader.take(8);  // time of publication
   const auto topic = channels_.find(channel_number);
   if (topic == channels_.end()) return;  // of another encoding
-  if (++num_messages_ > max_messages) throw std::runtime_error("it has too many messages");
-  topics_[topic->second].messages.push_back({1e-9 * static_cast<double>(log_time_ns), chunk,
-                                             offset + message_header,
-                                             content.size() - message_header});
-}
-
-const std::vector<std::uint8_t>& McapFile::load(std::size_t index) {
-  if (index == loaded_chunk_) return loaded_;
-  loaded_chunk_ = SIZE_MAX;
-  const Chunk& chunk = chunks_[index];
-  loaded_ = decompress(chunk.compression, bytes_of(read_bytes(chunk.offset, chunk.stored_bytes)),
-                       chunk.bytes);
-  loaded_chunk_ = index;
-  return loaded_;
+  add_message(topic->second, {1e-9 * static_cast<double>(log_time_ns), chunk,
+                              offset + message_header, content.size() - message_header});
 }
 
 ByteSpan McapFile::read(const BagMessage& message) {
-  const ByteSpan bytes = load(message.chunk);
-  if (message.offset > bytes.size()) throw std::out_of_range("a chunk ends early");
-  return plain_message(ByteReader(bytes.subspan(message.offset)).take(message.size), message_);
+  return plain_message(ChunkedFile::read(message), message_);
 }
 
 }  // namespace touchtrace

@@ -22,7 +22,6 @@ class SplitBag : public MessageFile {
       for (const auto& [name, topic] : files_[i]->topics()) add(name, topic, i);
   }
 
-  const std::map<std::string, BagTopic>& topics() const override { return topics_; }
   ByteSpan read(const BagMessage& message) override {
     const auto& [file, own] = messages_.at(message.offset);
     return files_[file]->read(own);
@@ -41,7 +40,6 @@ class SplitBag : public MessageFile {
 
   std::vector<std::unique_ptr<MessageFile>> files_;
   std::vector<std::pair<std::size_t, BagMessage>> messages_;  ///< with their file
-  std::map<std::string, BagTopic> topics_;
 };
 
 bool is_bag_file(const fs::path& file) { return is_sqlite(file) || is_mcap(file); }

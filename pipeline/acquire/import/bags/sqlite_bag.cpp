@@ -3,11 +3,9 @@
 #include <fmt/core.h>
 #include <sqlite3.h>
 
-#include <fstream>
 #include <stdexcept>
 
 #include "engine/base/error.h"
-#include "pipeline/acquire/import/bags/decompress.h"
 #include "pipeline/acquire/import/bags/mcap_file.h"
 
 namespace touchtrace {
@@ -25,13 +23,7 @@ std::string text_of(sqlite3_stmt* statement, int column) {
 
 }  // namespace
 
-bool is_sqlite(const std::filesystem::path& file) {
-  std::string start(sqlite_magic.size(), '\0');
-  return std::filesystem::is_regular_file(file) &&
-         std::ifstream(file, std::ios::binary)
-             .read(start.data(), static_cast<std::streamsize>(start.size())) &&
-         start == sqlite_magic;
-}
+bool is_sqlite(const std::filesystem::path& file) { return begins_with(file, sqlite_magic); }
 
 void SqliteBag::Close::operator()(sqlite3* database) const { sqlite3_close(database); }
 

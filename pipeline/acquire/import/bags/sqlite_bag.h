@@ -17,7 +17,6 @@ class SqliteBag : public MessageFile {
   /// Throws data_error if the file is not a bag of ROS 2.
   explicit SqliteBag(std::filesystem::path file);
 
-  const std::map<std::string, BagTopic>& topics() const override { return topics_; }
   ByteSpan read(const BagMessage& message) override;
 
  private:
@@ -37,7 +36,6 @@ class SqliteBag : public MessageFile {
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, Close> database_;
   Statement select_;  ///< of one message
-  std::map<std::string, BagTopic> topics_;
   std::vector<std::uint8_t> message_;
 };
 

@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace touchtrace {
@@ -43,6 +46,15 @@ class ByteReader {
 
 inline ByteSpan bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// Whether a path is a regular file that begins with these bytes.
+inline bool begins_with(const std::filesystem::path& file, std::string_view magic) {
+  std::string start(magic.size(), '\0');
+  return std::filesystem::is_regular_file(file) &&
+         std::ifstream(file, std::ios::binary)
+             .read(start.data(), static_cast<std::streamsize>(start.size())) &&
+         start == magic;
 }
 
 }  // namespace touchtrace

@@ -5,7 +5,6 @@
 #include <libdeflate.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,7 +20,6 @@ namespace {
 
 constexpr std::size_t max_mat_bytes = std::size_t{1} << 30;
 constexpr std::size_t mat_header_bytes = 128;
-constexpr std::size_t max_image_size = 16384;
 constexpr std::size_t max_zlib_ratio = 1032;
 
 // Types of data elements.
@@ -160,33 +158,8 @@ std::vector<NamedArray> read_arrays(const std::filesystem::path& file, const IsW
 
 /// Image of at least 2x2 numbers.
 bool is_image(const std::vector<std::size_t>& shape) {
-  return shape.size() == 2 && shape[0] >= 2 && shape[1] >= 2 && shape[0] <= max_image_size &&
-         shape[1] <= max_image_size;
-}
-
-cv::Mat to_doubles(const NumpyArray& array) {
-  cv::Mat values(static_cast<int>(array.shape[0]), static_cast<int>(array.shape[1]), CV_64F);
-  for (std::size_t i = 0; i < array.size(); ++i) values.ptr<double>()[i] = array.at(i);
-  return values;
-}
-
-bool are_whole(const cv::Mat& values) {
-  return std::all_of(values.begin<double>(), values.end<double>(),
-                     [](double value) { return value == std::floor(value); });
-}
-
-cv::Mat depth_of(const cv::Mat& values) {
-  cv::Mat depth;
-  if (!are_whole(values)) {
-    values.convertTo(depth, CV_32F);
-    return depth;
-  }
-  double min = 0.0, max = 0.0;
-  cv::minMaxLoc(values, &min, &max);
-  if (min < 0.0 || max > 65535.0)
-    throw std::runtime_error(fmt::format("counts from {} to {} instead of 0 to 65535", min, max));
-  values.convertTo(depth, CV_16U);
-  return depth;
+  return shape.size() == 2 && std::ranges::min(shape) >= 2 &&
+         std::ranges::max(shape) <= max_array_image_size;
 }
 
 }  // namespace
@@ -198,7 +171,7 @@ cv::Mat read_matlab_depth(const std::filesystem::path& file) {
       read_arrays(file, [](const auto&, const auto& shape) { return is_image(shape); });
   if (images.empty()) throw std::runtime_error("it has no two-dimensional array of numbers");
   const auto size = [](const NamedArray& image) { return image.values.size(); };
-  return depth_of(to_doubles(std::ranges::max(images, {}, size).values));
+  return to_depth(std::ranges::max(images, {}, size).values, true);
 }
 
 std::map<std::string, NumpyArray> read_matlab_arrays(const std::filesystem::path& file,

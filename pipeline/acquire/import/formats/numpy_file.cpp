@@ -20,7 +20,6 @@ namespace {
 constexpr std::size_t max_searched_arrays = 16;
 constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
 constexpr std::size_t max_header_bytes = 4096;
-constexpr std::size_t max_image_size = 16384;
 
 template <class T>
 double element(const std::string& data, std::size_t index) {
@@ -215,18 +214,21 @@ NumpyArray read_numpy_array(const std::filesystem::path& file) {
   });
 }
 
-cv::Mat to_depth(const NumpyArray& array) {
+cv::Mat to_depth(const NumpyArray& array, bool any_whole_number) {
   const auto& shape = array.shape;
-  if (shape.size() != 2 || std::ranges::max(shape) > max_image_size || array.size() == 0)
+  if (shape.size() != 2 || std::ranges::max(shape) > max_array_image_size || array.size() == 0)
     throw std::runtime_error("not an array [height, width]");
-  const bool is_float = array.type[0] == 'f';
   cv::Mat values(static_cast<int>(shape[0]), static_cast<int>(shape[1]), CV_64F), depth;
   for (std::size_t i = 0; i < array.size(); ++i) values.ptr<double>()[i] = array.at(i);
+  const bool is_whole =
+      array.type[0] != 'f' ||
+      (any_whole_number && std::all_of(values.begin<double>(), values.end<double>(),
+                                       [](double v) { return v == std::floor(v); }));
   double min = 0.0, max = 0.0;
   cv::minMaxLoc(values, &min, &max);
-  if (!is_float && (min < 0.0 || max > 65535.0))
+  if (is_whole && (min < 0.0 || max > 65535.0))
     throw std::runtime_error(fmt::format("counts from {} to {} instead of 0 to 65535", min, max));
-  values.convertTo(depth, is_float ? CV_32F : CV_16U);
+  values.convertTo(depth, is_whole ? CV_16U : CV_32F);
   return depth;
 }
 

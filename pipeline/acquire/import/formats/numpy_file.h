@@ -41,8 +41,12 @@ std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path
 /// data_error.
 NumpyArray read_numpy_array(const std::filesystem::path& file);
 
-/// Depth image of a 2-D array: 16-bit counts of integers, metres of floating-point numbers. Throws
-/// std::runtime_error for another shape and for integers of more than 16 bits.
-cv::Mat to_depth(const NumpyArray& array);
+/// Largest width and height of an image.
+inline constexpr std::size_t max_array_image_size = 16384;
+
+/// Depth image of a 2-D array: 16-bit counts of integers, metres of floating-point numbers.
+/// `any_whole_number`: floating-point numbers that are all whole are counts, too. Throws
+/// std::runtime_error for another shape and for counts of more than 16 bits.
+cv::Mat to_depth(const NumpyArray& array, bool any_whole_number = false);
 
 }  // namespace touchtrace

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <fstream>
 
 #include "engine/base/progress.h"
+#include "pipeline/acquire/import/formats/byte_reader.h"
 #include "pipeline/acquire/import/gloves/glove_file.h"
 #include "pipeline/recording/h5_file.h"
 
@@ -120,9 +120,7 @@ GloveFile read_glove(const h5::Loader& root, const GloveFileOptions& options) {
 }  // namespace
 
 bool is_glove_hdf5(const std::filesystem::path& file) {
-  std::string start(8, '\0');
-  std::ifstream(file, std::ios::binary).read(start.data(), 8);
-  return start == "\x89HDF\r\n\x1a\n";
+  return begins_with(file, "\x89HDF\r\n\x1a\n");
 }
 
 GloveFile read_glove_hdf5(const std::filesystem::path& file, const GloveFileOptions& options) {

@@ -28,10 +28,8 @@ const NumpyArray& find_array(const Arrays& arrays, const Names& names,
                              const std::filesystem::path& file) {
   for (const auto& name : names)
     if (const auto found = arrays.find(name); found != arrays.end()) return found->second;
-  std::string list;
-  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
   throw data_error(fmt::format("{} has no array {}", file.string(), names[0]),
-                   fmt::format("it may have one of the names {}{}", list,
+                   fmt::format("it may have one of the names {}{}", fmt::join(names, ", "),
                                names == time_names ? "; or give --rate HZ" : ""));
 }
 

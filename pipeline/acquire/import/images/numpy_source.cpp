@@ -14,8 +14,6 @@ namespace {
 
 using Arrays = std::map<std::string, NumpyArray>;
 
-constexpr std::size_t max_image_size = 16384;
-
 const NumpyArray* find_array(const Arrays& arrays, std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (const auto found = arrays.find(name); found != arrays.end()) return &found->second;
@@ -25,7 +23,7 @@ const NumpyArray* find_array(const Arrays& arrays, std::initializer_list<const c
 /// Requires [frames, height, width] or, of colour, [frames, height, width, 3] bytes.
 void require_images(const NumpyArray* array, const char* name, std::size_t dimensions) {
   const bool is_good = array && array->shape.size() == dimensions && array->size() > 0 &&
-                       array->shape[1] <= max_image_size && array->shape[2] <= max_image_size &&
+                       std::max(array->shape[1], array->shape[2]) <= max_array_image_size &&
                        (dimensions == 3 || (array->shape[3] == 3 && array->type == "u1"));
   if (!is_good)
     throw data_error(fmt::format("the archive has no array {} of images", name),

@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-namespace touchtrace::scene {
+namespace touchtrace {
 
 /// CPU time of the calling thread.
 inline double thread_cpu_seconds() {
@@ -11,4 +11,4 @@ inline double thread_cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-}  // namespace touchtrace::scene
+}  // namespace touchtrace

@@ -226,5 +226,36 @@ TEST(Label, RejectsIncompleteRecordings) {
   expect_rejected(recording, "480");
 }
 
+/// From frame `first` on the hand is gone, and half of the ball has its colour.
+label::FrameSource hand_leaves(const Stage& stage, std::size_t first) {
+  auto frames = frame_source(stage);
+  frames.camera_frame = [&stage, first, read = frames.camera_frame](std::size_t i) {
+    const double time_s = static_cast<double>(i) / camera_rate_hz;
+    if (i < first) return read(i);
+    return render_pixels([&](const Eigen::Vector3d& ray, Pixel& pixel) {
+      const Eigen::Vector3d ball_m = stage.ball(time_s);
+      const bool is_left = ray.x() * ball_m.z() < ball_m.x();
+      pixel.show(ball_depth_m(ray, ball_m), is_left ? blue : red);
+    });
+  };
+  return frames;
+}
+
+TEST(Label, APartOfTheObjectIsNotTheHand) {
+  const Stage stage(false);
+  const std::size_t first = 90;
+  const auto labels = label_recording(recording_of(stage), hand_leaves(stage, first), calibration(),
+                                      component_options());
+  const double gone_s = static_cast<double>(first) / camera_rate_hz;
+  std::size_t before = 0, after = 0;
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
+    if (labels.hand.quality[i] != quality_good) continue;
+    before += labels.time_s[i] < gone_s;
+    after += labels.time_s[i] > gone_s + 0.4;
+  }
+  EXPECT_GT(before, 50u);
+  EXPECT_EQ(after, 0u);
+}
+
 }  // namespace
 }  // namespace touchtrace::staged

@@ -101,6 +101,7 @@ bool contradicts_registration(const ImportSource& source, int width) {
 /// else whether they have the same size, no intrinsics of their own, and show the same motion.
 bool decide_registered(const ImportSource& source, const CameraOptions& options, bool is_same_size,
                        bool has_depth_camera, int width) {
+  if (options.registered && is_same_size) contradicts_registration(source, width);  // warns
   if (options.registered || options.no_registered) return options.registered;
   const bool may_be = is_same_size && source.is_registered.value_or(!has_depth_camera);
   const bool is_contradicted = may_be && contradicts_registration(source, width);

@@ -8,6 +8,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
+#include "pipeline/label/learn/box_warnings.h"
 #include "pipeline/label/learn/learn_colors.h"
 #include "pipeline/label/learn/learn_object.h"
 #include "pipeline/label/observe/background.h"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::size_t max_background_frames = 15, min_frames_per_clip = 8, min_frames = 32,
                       min_box_points = 12;
-constexpr double max_hand_m = 0.4;  // of a box: a hand with spread fingers and the wrist has 0.3
 
 using ObjectSamples = std::map<std::string, SampledFrames>;  ///< of usable clips, by object
 
@@ -133,21 +133,6 @@ ObjectSamples usable_samples(std::vector<ClipFrames>& clips, SampledFrames sampl
   return by_object;
 }
 
-/// Warns of boxes and masks of hands that are far larger than a hand.
-void warn_of_large_hands(const Camera& color, const SampledFrames& samples) {
-  for (const auto& sample : samples) {
-    if (!sample.has_boxes() || !sample.hand_m) continue;
-    const PixelBox& box = sample.clip->hand_box;
-    const double width_m = box.width * sample.hand_m->z() / color.fx,
-                 height_m = box.height * sample.hand_m->z() / color.fy;
-    if (std::max(width_m, height_m) < max_hand_m) continue;
-    Progress::warn(fmt::format(
-        "the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a hand: the depth's "
-        "unit may be wrong (import --depth-scale), or the labels may be of another part",
-        sample.clip->has_mask_boxes ? "mask" : "box", sample.index, width_m, height_m));
-  }
-}
-
 /// Replaces the points of frames with a mask by those that masks and colours show.
 void observe_again(const Observer& observer, const FrameSource& frames, SampledFrames& samples) {
   for (auto& sample : samples)
@@ -212,7 +197,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
       colors->set_colors(object, std::move(learnt.classes), learnt.shared_radius_m);
       if (frames.only_masked_body) observe_again(*model.observer, frames, of_object);
     }
-    warn_of_large_hands(segmenter->color_camera(), of_object);
+    warn_of_boxes(segmenter->color_camera(), of_object);
     learn_object(model, frames, object, of_object, num_threads);
   });
   return model;

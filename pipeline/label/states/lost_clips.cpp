@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -14,29 +15,36 @@ namespace {
 
 constexpr double min_proposed_s = 2.0;  // of a clip to be cut out
 
-/// Longest stretch of frames in which hand and object were found: first frame and number.
-std::pair<std::size_t, std::size_t> longest_found(const ClipTrack& track) {
-  std::pair<std::size_t, std::size_t> longest{0, 0};
+/// Longest time in which `is_found(frame)`; nullopt if it is short.
+template <class IsFound>
+std::optional<std::pair<double, double>> longest_found_s(const ClipTrack& track, IsFound is_found) {
+  std::size_t first = 0, longest = 0;
   for (std::size_t i = 0, count = 0; i < track.time_s.size(); ++i) {
-    count = track.hand[i].found && track.object[i].found ? count + 1 : 0;
-    if (count > longest.second) longest = {i + 1 - count, count};
+    count = is_found(i) ? count + 1 : 0;
+    if (count > longest) first = i + 1 - count, longest = count;
   }
-  return longest;
+  if (longest < 2) return std::nullopt;
+  const std::pair times{track.time_s[first], track.time_s[first + longest - 1]};
+  return times.second - times.first < min_proposed_s ? std::nullopt : std::optional(times);
 }
 
-/// What helps, with the longest span of time in which both were found.
+/// What helps, with the longest times in which both bodies, or one of them, were found.
 std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
   const std::string boxes =
       has_mask_boxes ? "check the masks, or draw boxes (`touchtrace mark`)"
                      : "draw boxes in a frame that shows both better (`touchtrace mark`)";
-  const auto [first, count] = longest_found(track);
-  if (count < 2) return boxes;
-  const double start_s = track.time_s[first], end_s = track.time_s[first + count - 1];
-  if (end_s - start_s < min_proposed_s) return boxes;
-  return fmt::format(
-      "both are found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or "
-      "{}",
-      start_s, end_s, boxes);
+  const auto hand = [&](std::size_t i) { return track.hand[i].found; };
+  const auto object = [&](std::size_t i) { return track.object[i].found; };
+  const auto both = [&](std::size_t i) { return hand(i) && object(i); };
+  const auto cut = [&](const char* found, const auto& times) {
+    return fmt::format(
+        "{} found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or {}",
+        found, times->first, times->second, boxes);
+  };
+  if (const auto times = longest_found_s(track, both)) return cut("both are", times);
+  if (const auto times = longest_found_s(track, object)) return cut("the object alone is", times);
+  if (const auto times = longest_found_s(track, hand)) return cut("the hand alone is", times);
+  return boxes;
 }
 
 /// Drops the observations of bodies that were mostly lost, and says which. An object that moves
@@ -60,8 +68,8 @@ std::vector<std::string> drop_lost_bodies(ClipTrack& track) {
 std::string lost_problem(const std::vector<std::string>& lost, const std::string& remedy) {
   const bool is_hand_lost = lost.front().starts_with("hand");
   return fmt::format(
-      "{} of the camera frames{}{}; {}; check the calibration, and that no background image, if "
-      "there are any, shows a person",
+      "{} of the camera frames{}{}; {}; check the calibration, that the camera does not move, and "
+      "that no background image, if there are any, shows a person",
       fmt::join(lost, ", "),
       is_hand_lost ? " (also where it cannot be told from a bare arm: masks or a sleeve help)" : "",
       lost.size() == 1 ? ": all labels of that body are flagged as lost" : "", remedy);

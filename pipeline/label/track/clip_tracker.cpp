@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "engine/base/interrupt.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/estimate/box_planes.h"
 #include "pipeline/label/observe/lift.h"
 #include "pipeline/label/observe/mask_observer.h"
@@ -25,6 +27,21 @@ constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
 constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
 constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
 constexpr std::size_t min_hand_points = 30, min_object_points = 6;
+constexpr std::size_t max_hand_points = 50;  // kept of a frame
+/// Median distance from the object's surface of points that are part of it. Where the object was
+/// taken for the hand in five public recordings it was 1 to 8 mm; of simulated hands it is 21 mm
+/// and more. In seventeen other public recordings it is smaller for 6 of 1032 hands.
+constexpr double max_on_object_m = 0.006;
+
+/// Median of each value and of two on either side.
+std::vector<double> running_median(const std::vector<double>& values) {
+  constexpr std::ptrdiff_t reach = 2;
+  std::vector<double> medians;
+  for (auto at = values.begin(); at != values.end(); ++at)
+    medians.push_back(median({at - std::min(reach, at - values.begin()),
+                              at + 1 + std::min(reach, values.end() - at - 1)}));
+  return medians;
+}
 
 class ClipTracker {
  public:
@@ -59,10 +76,22 @@ class ClipTracker {
     // boxes and masks show where the hand ends
     const bool is_shown = index == 0 || scene_.has_all_masks || has_hand_mask;
     if (hand && !is_shown && is_on_arm(*hand, surface)) track.hand.back() = {};
+    if (hand && !is_shown) hand_points_m_[index] = every_nth(hand->points_m, max_hand_points);
   }
 
-  /// Observations of the object, given all frames.
-  void smooth_poses(ClipTrack& track) const { estimator_.smooth_poses(track.object); }
+  /// Observations of the object, given all frames. Where they show that a part of its surface was
+  /// taken for the hand, the hand is lost.
+  void smooth_poses(ClipTrack& track) {
+    estimator_.smooth_poses(track.object);
+    std::vector<std::size_t> frames;
+    std::vector<double> distances_m;
+    for (const auto& [index, points_m] : hand_points_m_)
+      if (const auto distance_m = estimator_.median_distance_m(index, points_m))
+        frames.push_back(index), distances_m.push_back(*distance_m);
+    const auto medians_m = running_median(distances_m);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (medians_m[i] < max_on_object_m) track.hand[frames[i]] = {};
+  }
 
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
 
@@ -230,6 +259,7 @@ class ClipTracker {
   Target hand_, object_;
   std::optional<OtherBodies> others_;  ///< null for an object of the hand's colour
   bool is_started_ = false, is_away_ = false;
+  std::map<std::size_t, std::vector<Eigen::Vector3f>> hand_points_m_;  ///< of the pass, by frame
 };
 
 }  // namespace

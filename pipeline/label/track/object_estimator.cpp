@@ -31,11 +31,12 @@ Observation ObjectEstimator::observe(const RgbdFrame& frame, std::size_t index, 
   } else {
     const auto fit = fit_sphere(view, shape_.radius_m);
     set_position(object, fit.centre_m, fit.information, points);
+    camera_from_object_[index] = Eigen::Isometry3d(Eigen::Translation3d(fit.centre_m));
   }
   return object;
 }
 
-void ObjectEstimator::smooth_poses(std::vector<Observation>& observations) const {
+void ObjectEstimator::smooth_poses(std::vector<Observation>& observations) {
   if (!pose_) return;
   const auto fits = pose_->viterbi_path();
   const auto ambiguity_m2 = pose_->ambiguity_m2(fits);
@@ -47,7 +48,16 @@ void ObjectEstimator::smooth_poses(std::vector<Observation>& observations) const
     }
     set_position(object, fits[i], posed_frames_[i].num_points);
     object.sigma_m = (object.sigma_m.cwiseAbs2() + ambiguity_m2[i]).cwiseSqrt();
+    camera_from_object_[posed_frames_[i].index] = fits[i].camera_from_body;
   }
+}
+
+std::optional<double> ObjectEstimator::median_distance_m(
+    std::size_t index, const std::vector<Eigen::Vector3f>& points_m) const {
+  const auto pose = camera_from_object_.find(index);
+  if (pose == camera_from_object_.end()) return std::nullopt;
+  const RoundedBody body = shape_.body.value_or(RoundedBody{{0.0, 0.0, 0.0}, shape_.radius_m});
+  return label::median_distance_m(points_m, body, pose->second);
 }
 
 void ObjectEstimator::set_position(Observation& object, const BodyFit& fit,
@@ -69,7 +79,7 @@ void ObjectEstimator::set_position(Observation& object, const Eigen::Vector3d& c
 /// Whether most points are far from the body: a wrong pose, or another body of its colour.
 bool ObjectEstimator::contradict(const std::vector<Eigen::Vector3f>& points,
                                  const BodyFit& fit) const {
-  return median_distance_m(points, *shape_.body, fit.camera_from_body) > max_misfit_m;
+  return label::median_distance_m(points, *shape_.body, fit.camera_from_body) > max_misfit_m;
 }
 
 }  // namespace touchtrace::label

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,12 @@ class ObjectEstimator {
 
   /// Replaces a body's poses by the most likely ones given all frames. Where the points contradict
   /// them, the object is lost. `observations`: of all frames of the pass.
-  void smooth_poses(std::vector<Observation>& observations) const;
+  void smooth_poses(std::vector<Observation>& observations);
+
+  /// Median distance [m] of points in frame `index` from the object's surface, after
+  /// smooth_poses(); nullopt where the object is not found.
+  std::optional<double> median_distance_m(std::size_t index,
+                                          const std::vector<Eigen::Vector3f>& points_m) const;
 
  private:
   /// Frame with a pose, its number of surface points, and some of these.
@@ -43,6 +49,7 @@ class ObjectEstimator {
   const ObjectShape& shape_;
   std::optional<PoseTracker> pose_;  ///< of a body; nullopt: the object is a sphere
   std::vector<PosedFrame> posed_frames_;
+  std::map<std::size_t, Eigen::Isometry3d> camera_from_object_;  ///< by frame
 };
 
 }  // namespace touchtrace::label

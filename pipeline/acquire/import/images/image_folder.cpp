@@ -73,8 +73,10 @@ std::vector<StampedFile> images_of(const fs::path& folder, std::vector<fs::path>
         fmt::format("the images in {} are OpenEXR, which is not read", folder.string()),
         exr_hint(folder));
   if (images.empty())
-    throw data_error(fmt::format("{} has no images", folder.string()),
-                     "put PNG or JPEG images into it; depth also as .npy or .mat");
+    throw data_error(
+        fmt::format("{} has no images", folder.string()),
+        "put PNG, JPEG or TIFF images into it; depth also as .npy or .mat; colour arrays are read "
+        "from one .npz with color, depth and time_s");
   return stamped_images(folder, std::move(images), rate_hz);
 }
 

@@ -111,9 +111,7 @@ void check_calibration(const CheckOptions& options, FileCheck& check) {
 /// A file that cannot be read has faults and nothing else.
 FileCheck check_readable(const CheckOptions& options, bool as_json) {
   try {
-    FileCheck check = check_file(options.file, !options.quick, !options.calibration.empty());
-    check_calibration(options, check);
-    return check;
+    return check_file(options.file, !options.quick, !options.calibration.empty());
   } catch (const Error& error) {
     FileCheck faulty;
     faulty.faults = {error.what()};
@@ -123,7 +121,8 @@ FileCheck check_readable(const CheckOptions& options, bool as_json) {
 }
 
 ExitCode run(const CheckOptions& options, const Invocation& invocation) {
-  const FileCheck check = check_readable(options, invocation.json);
+  FileCheck check = check_readable(options, invocation.json);
+  check_calibration(options, check);
   if (invocation.json) {
     fmt::print("{}\n", to_json(check).dump(2));
   } else {

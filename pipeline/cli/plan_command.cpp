@@ -37,7 +37,8 @@ void describe(OptionSet& set, PlanOptions& o) {
 
 study::PlanRequest request_of(const PlanOptions& options) {
   study::PlanRequest request;
-  for (const auto& object : options.objects) scene::load_object(object);  // throws if unknown
+  if (options.recording.empty())
+    for (const auto& object : options.objects) scene::load_object(object);  // throws if unknown
   if (!options.objects.empty()) request.objects = options.objects;
   GloveInfo glove;  // as the simulated one
   if (!options.recording.empty()) {

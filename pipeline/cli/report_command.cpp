@@ -25,8 +25,11 @@ void describe(OptionSet& set, ReportOptions& o) {
       .value("FILE");
 }
 
-void append(std::vector<std::filesystem::path>& paths, const std::vector<std::string>& more) {
+/// Adds files that must be valid.
+void append(report::ReportInputs& inputs, std::vector<std::filesystem::path>& paths,
+            const std::vector<std::string>& more) {
   paths.insert(paths.end(), more.begin(), more.end());
+  for (const auto& path : more) inputs.found.erase(path);
 }
 
 void print_stages(const nlohmann::json& stages) {
@@ -40,11 +43,11 @@ void print_stages(const nlohmann::json& stages) {
 ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   report::ReportInputs inputs;
   if (!options.folder.empty()) inputs = report::find_inputs(options.folder);
-  append(inputs.metrics, options.metrics);
-  append(inputs.labels, options.labels);
-  append(inputs.calibrations, options.calibration);
-  append(inputs.recordings, options.recording);
-  append(inputs.figures, options.figures);
+  append(inputs, inputs.metrics, options.metrics);
+  append(inputs, inputs.labels, options.labels);
+  append(inputs, inputs.calibrations, options.calibration);
+  append(inputs, inputs.recordings, options.recording);
+  append(inputs, inputs.figures, options.figures);
   const nlohmann::json data = report::report_data(inputs);
   if (data.at("artefacts").empty() && data.at("figures").empty())
     throw usage_error("no artefacts to report on",

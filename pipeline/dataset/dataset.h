@@ -29,7 +29,7 @@ struct Sequence {
 struct Dataset {
   std::string activity;
   int rows = 32, cols = 32;
-  double rate_hz = 15.0;
+  double rate_hz = 15.0;              ///< of the first recording's glove, measured
   std::vector<float> tactile;         ///< [frames, rows, cols], pressure 0..1 above the baseline
   std::vector<State> label;           ///< [frames], smoothed; 0 where not finite
   std::vector<State> causal_label;    ///< [frames], filtered: initial states of roll-outs

@@ -83,7 +83,7 @@ std::string label_frame_fault(const Labels& labels, const Recording& recording) 
 std::string missing_labels_warning(const Labels& labels, const Recording& recording) {
   std::size_t frames = 0;
   for (const Clip& clip : recording.clips)
-    frames += arrived_in(clip, recording.gloves.front().host_time_s).size();
+    if (!clip.object_fell) frames += arrived_in(clip, recording.gloves.front().host_time_s).size();
   const auto labelled = static_cast<std::size_t>(
       std::ranges::count_if(labels.glove_frame, [](auto frame) { return frame >= 0; }));
   if (static_cast<double>(labelled) >= min_labelled * static_cast<double>(frames)) return {};

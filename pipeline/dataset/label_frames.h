@@ -12,7 +12,7 @@ namespace touchtrace {
 /// clips are compared.
 std::string label_frame_fault(const Labels& labels, const Recording& recording);
 
-/// Empty, unless over a tenth of the glove's frames in clips have no label.
+/// Empty, unless over a tenth of the glove's frames in clips to label have no label.
 std::string missing_labels_warning(const Labels& labels, const Recording& recording);
 
 }  // namespace touchtrace

@@ -23,7 +23,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double max_rate_difference = 0.01;
+constexpr double max_rate_difference = 0.02;
 
 [[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
   throw data_error(fmt::format("{} does not match {}: {}", source.labels.string(),
@@ -42,7 +42,7 @@ State state_of(const std::vector<double>& object_m, const std::vector<double>& o
 }
 
 std::string kind_of(const Dataset& data) {
-  return fmt::format("activity '{}' with {} x {} taxels at {} Hz", data.activity, data.rows,
+  return fmt::format("activity '{}' with {} x {} taxels at {:.4g} Hz", data.activity, data.rows,
                      data.cols, data.rate_hz);
 }
 
@@ -127,7 +127,7 @@ void RecordingLoader::check_compatible(int resolution) {
   kind.activity = labels_.activity;
   const auto [rows, cols] = image_shape(info, resolution);
   kind.rows = rows, kind.cols = cols;
-  kind.rate_hz = plausible_rate_hz(glove(), reader_.recording().clips);
+  kind.rate_hz = measured_rate_hz(glove(), reader_.recording().clips);
   if (number_ == 0) dataset_ = kind;
   if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||
       kind.cols != dataset_.cols ||

@@ -22,7 +22,7 @@ struct LabelledRecording {
 /// - Warns of implausible frames of the gloves and of implausible labels.
 ///
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
-/// or (by over 1 %) rates differ, recordings have touch or motion in common, or no clip remains;
+/// or (by over 2 %) rates differ, recordings have touch or motion in common, or no clip remains;
 /// usage_error if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources,
                      int resolution = own_resolution);

@@ -134,14 +134,15 @@ bool FileCheck::is_usable() const {
 }
 
 std::vector<std::string> glove_warnings(const Recording& recording) {
+  constexpr double max_rate_difference = 0.05;
   std::vector<std::string> warnings;
   for (const auto& glove : recording.gloves) {
     const auto warn = [&](const std::string& warning) {
       warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
     };
     std::ranges::for_each(check_tactile(glove).warnings(), warn);
-    if (const double rate_hz = plausible_rate_hz(glove, recording.clips);
-        rate_hz != glove.info.rate_hz)
+    const double rate_hz = measured_rate_hz(glove, recording.clips);
+    if (std::abs(rate_hz / glove.info.rate_hz - 1.0) > max_rate_difference)
       warn(fmt::format("frames arrive at {:.4g} Hz, rate_hz is {:.4g}", rate_hz,
                        glove.info.rate_hz));
   }

@@ -70,7 +70,7 @@ std::optional<std::string> jump_warning(const Labels& labels, const LabelledBody
       jumps, first_m, first);
 }
 
-/// Good labels whose covariance is not one.
+/// Good labels whose covariance has a negative variance or is not symmetric.
 std::optional<std::string> covariance_warning(const LabelledBody& body) {
   std::size_t wrong = 0, first = 0;
   for (std::size_t i = 0; i < body.quality.size(); ++i) {

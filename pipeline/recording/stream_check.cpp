@@ -63,12 +63,9 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
   return timing;
 }
 
-double plausible_rate_hz(const GloveStream& glove, const std::vector<Clip>& clips) {
-  constexpr double max_difference = 0.05;
-  const double measured_hz =
-      measure_stream_timing(glove.sequence, glove.host_time_s, clips).rate_hz;
-  return std::abs(measured_hz / glove.info.rate_hz - 1.0) > max_difference ? measured_hz
-                                                                           : glove.info.rate_hz;
+double measured_rate_hz(const GloveStream& glove, const std::vector<Clip>& clips) {
+  const double rate_hz = measure_stream_timing(glove.sequence, glove.host_time_s, clips).rate_hz;
+  return std::isfinite(rate_hz) ? rate_hz : glove.info.rate_hz;
 }
 
 nlohmann::json to_json(const StreamTiming& timing) {

@@ -26,8 +26,8 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
                                    const std::vector<double>& host_time_s,
                                    const std::vector<Clip>& clips);
 
-/// The glove's rate_hz, or the rate of its frames' arrival if that differs by more than 5 %.
-double plausible_rate_hz(const GloveStream& glove, const std::vector<Clip>& clips);
+/// Rate of a glove's frames by the host's clock; rate_hz if they are too few.
+double measured_rate_hz(const GloveStream& glove, const std::vector<Clip>& clips);
 
 /// Plausibility of a glove's counts. A taxel is saturated at its highest possible pressure.
 struct TactileCheck {

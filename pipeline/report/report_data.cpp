@@ -74,13 +74,14 @@ void add_artefact(json& data, const fs::path& path, const json& provenance) {
                             {"device", provenance.value("device", "")}});
 }
 
-/// "wave.h5, throw.h5, against labels": what the rows of a metrics file were computed from.
+/// "out/wave.h5, out/throw.h5, against labels": what the rows of a metrics file were computed from.
 std::string data_set_of(const json& document) {
   std::string name;
   const json options = document.at("provenance").value("options", json::object());
   if (options.is_object() && options.value("recording", json()).is_array())
     for (const auto& recording : options.at("recording"))
-      if (recording.is_string()) name += recording.get<std::string>() + ", ";
+      if (recording.is_string())
+        name += fs::path(recording.get<std::string>()).lexically_normal().string() + ", ";
   return name + "against " + (document.value("against", json()) == "truth" ? "truth" : "labels");
 }
 

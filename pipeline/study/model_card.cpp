@@ -10,7 +10,7 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr double rate_tolerance = 0.01;
+constexpr double rate_tolerance = 0.02;
 
 bool is_valid(const ModelCard& card) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
@@ -123,8 +123,8 @@ ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
 void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
                   const std::string& source) {
   if (!(std::abs(rate_hz / card.rate_hz - 1.0) <= rate_tolerance))
-    throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz", model,
-                                 card.rate_hz, source, rate_hz),
+    throw data_error(fmt::format("{} was trained at {:.4g} Hz, the glove of {} has {:.4g} Hz",
+                                 model, card.rate_hz, source, rate_hz),
                      "frames are not resampled: use a glove of the same rate; that of a live glove "
                      "is --rate-hz");
 }

@@ -55,7 +55,7 @@ void from_json(const nlohmann::json& json, TrainingLogEntry& entry);
 void to_json(nlohmann::json& json, const ModelCard& card);
 void from_json(const nlohmann::json& json, ModelCard& card);
 
-/// Throws data_error unless a glove has the rate of the model's training within 1 %. `model`,
+/// Throws data_error unless a glove has the rate of the model's training within 2 %. `model`,
 /// `source` (recording or port): names for the message.
 void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
                   const std::string& source);

@@ -184,13 +184,15 @@ TEST_F(Tables, TumOfLabelsTakesUnixTimeFromTheRecording) {
 }
 
 TEST_F(Tables, TumHasALineForEachMeasuredLabel) {
+  labels_.hand.quality[2] = quality_follows_hand, labels_.hand.quality[3] = quality_gap;
+  for (int axis = 0; axis < 3; ++axis) labels_.hand.position_m[6 + axis] = 0.125 * axis;
+  write_labels(folder_ / "l.h5", labels_, true);
   run("tum", "l.h5", "t");
   const auto hand = lines_of(folder_ / "t/hand.txt"), object = lines_of(folder_ / "t/object.txt");
-  ASSERT_EQ(hand.size(), labels_.time_s.size()) << "a header, and all labels but the lost one";
+  EXPECT_EQ(hand.size(), labels_.time_s.size() - 1) << "a header, no lost label, none in a gap";
   EXPECT_EQ(object.size(), 1 + labels_.time_s.size());
-  const double* p = &labels_.hand.position_m[6];  // behind the lost label
-  EXPECT_EQ(hand[2], fmt::format("{:.6f} {:.9g} {:.9g} {:.9g} 0 0 0 1", labels_.time_s[2], p[0],
-                                 p[1], p[2]));
+  EXPECT_EQ(hand.at(2), fmt::format("{:.6f} 0 0.125 0.25 0 0 0 1", labels_.time_s[2]));
+  expect_error([&] { run("tum", "l.h5", "t"); }, "exists", {});
 }
 
 TEST_F(Tables, FormatsFitTheKindOfTheFile) {

@@ -8,6 +8,7 @@
 #include "pipeline/dataset/load.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/expect_error.h"
 
 namespace touchtrace {
 namespace {
@@ -247,6 +248,36 @@ TEST(Dataset, RejectsACopyOfARecording) {
   }
 }
 
+TEST(Dataset, RejectsACopyWithOtherCounts) {
+  Files files;
+  RandomStream random(4, "motion");
+  do {  // until a clip, which is short, keeps two stretches
+    for (auto* body : {&files.labels.hand, &files.labels.object}) {
+      for (double& value : body->position_m) value = random.uniform();
+      body->quality.assign(body->quality.size(), quality_good);
+    }
+  } while (motion_fingerprints(files.labels, {0, 20}).size() < 2);
+  const LabelledRecording original = files.write_files(),
+                          copy{files.folder / "copy.h5", original.labels};
+  for (auto& glove : files.sample.recording.gloves)
+    for (auto& count : glove.counts) count ^= 1;
+  write(files.sample, copy.recording, true, true);
+  testing::expect_error([&] { load_dataset({original, copy}); }, "copy.h5 is also in another", {});
+}
+
+TEST(Dataset, WarnsOfMissingLabels) {
+  Files files;
+  const auto is_warned = [&] {
+    return std::ranges::any_of(load_dataset({files.write_files()}).warnings, [](const auto& text) {
+      return text.find("frames in clips have no label") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(is_warned());
+  Clip& dropped = files.sample.recording.clips[1];
+  dropped.object_fell = files.labels.clips[1].object_fell = true;
+  EXPECT_FALSE(is_warned());
+}
+
 TEST(Dataset, LostFrameRepeatsThePreviousImage) {
   Files files;
   const Dataset data = load_dataset({files.write_files()});
@@ -260,7 +291,7 @@ TEST(Dataset, LostFrameRepeatsThePreviousImage) {
 
 TEST(Dataset, HasTheRateOfItsFrames) {
   Files files;
-  EXPECT_EQ(load_dataset({files.write_files()}).rate_hz, 15.0);
+  EXPECT_NEAR(load_dataset({files.write_files()}).rate_hz, 15.0, 0.05);
   files.sample.recording.gloves[0].info.rate_hz = 30.0;
   const Dataset data = load_dataset({files.write_files()});
   EXPECT_NEAR(data.rate_hz, 15.0, 0.05);

@@ -84,6 +84,12 @@ TEST_F(ImportGlove, TablesWithoutTimesNeedARate) {
   const GloveStream stream = import_alone(options);
   EXPECT_EQ(stream.info.rows, 2);
   EXPECT_NEAR(stream.host_time_s[39], 39 / 50.0, 1e-9);
+  for (const char* name : {"a.txt", "a.tsv", "a.log", "a.dat"}) {
+    fs::copy(folder_ / "a.csv", folder_ / name);
+    auto other = alone(name, 2, 2);
+    other.source.rate_hz = 50.0;
+    EXPECT_EQ(import_alone(other).counts, stream.counts) << name;
+  }
 }
 
 TEST_F(ImportGlove, TablesWithoutNamesAndTimesNeedARateAndALayout) {

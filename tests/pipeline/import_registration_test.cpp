@@ -133,6 +133,7 @@ TEST_F(Import, TakesDisplacedDepthAsNotRegistered) {
   }
   options.camera.registered = true;
   EXPECT_TRUE(import("in", options).recording().camera.is_registered);
+  EXPECT_TRUE(warns_of("as if depth were not registered"));
 }
 
 /// Folder with colour images of 8 x 6 pixels, depth images of another size, and intrinsics.

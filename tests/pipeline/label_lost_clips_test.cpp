@@ -128,19 +128,35 @@ TEST(Label, ReturnsWhatItMeasuredInARefusedRecording) {
   EXPECT_TRUE(std::isnan(measured.raw.hand_m[3 * 80]));
 }
 
-TEST(Label, WarnsOfAHandLargerThanAny) {
+/// What labelling prints with such boxes.
+std::string printed_with(const PixelBox& hand_box, const PixelBox& object_box) {
   const Stage stage(false);
   auto recording = recording_of(stage);
-  recording.clips[0].hand_box = {100, 50, 130, 150};
+  if (hand_box.width > 0) recording.clips[0].hand_box = hand_box;
+  if (object_box.width > 0) recording.clips[0].object_box = object_box;
   ::testing::internal::CaptureStderr();
   try {
     label_recording(recording, frame_source(stage), calibration(), component_options());
   } catch (const Error&) {
   }
-  const std::string output = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(output.find("warning: the hand's box in camera frame 0 is 0.49 x 0.56 m"),
-            std::string::npos)
-      << output;
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(Label, WarnsOfHandsOfAnotherSize) {
+  EXPECT_NE(printed_with({100, 50, 130, 150}, {})
+                .find("hand's box in camera frame 0 is 0.485 x 0.560 m, larger than a hand"),
+            std::string::npos);
+  const PixelBox usual = recording_of(Stage(false)).clips[0].hand_box;
+  EXPECT_NE(printed_with({usual.x + usual.width / 2 - 4, usual.y + usual.height / 2 - 4, 8, 8}, {})
+                .find("m, smaller than a hand"),
+            std::string::npos);
+  EXPECT_EQ(printed_with({}, {}).find("than a hand"), std::string::npos);
+}
+
+TEST(Label, WarnsOfBoxesThatAreFarApart) {
+  const PixelBox on_the_torso{150, 10, 20, 20};
+  EXPECT_NE(printed_with({}, on_the_torso).find("box in camera frame 0 are 0."), std::string::npos);
+  EXPECT_EQ(printed_with({}, {}).find("m apart"), std::string::npos);
 }
 
 }  // namespace

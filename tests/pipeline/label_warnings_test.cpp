@@ -20,8 +20,10 @@ Labels plausible_labels() {
   return labels;
 }
 
-void expect_warning(const Labels& labels, const std::string& text) {
+/// `count`: of all warnings.
+void expect_warning(const Labels& labels, const std::string& text, std::size_t count = 1) {
   const auto warnings = label_warnings(labels);
+  EXPECT_EQ(warnings.size(), count) << text;
   EXPECT_TRUE(std::ranges::any_of(warnings, [&](const std::string& warning) {
     return warning.find(text) != std::string::npos;
   })) << text;
@@ -32,7 +34,7 @@ TEST(LabelWarnings, NameMillimetres) {
   EXPECT_TRUE(label_warnings(labels).empty());
   for (auto* values : {&labels.object.position_m, &labels.object.velocity_m_per_s})
     for (double& value : *values) value *= 1000.0;
-  expect_warning(labels, "positions in millimetres");
+  expect_warning(labels, "positions in millimetres", 2);
 }
 
 TEST(LabelWarnings, NameCausalStatesThatAreNot) {
@@ -58,7 +60,7 @@ TEST(LabelWarnings, NameVelocitiesThatAreNotThoseOfThePositions) {
 TEST(LabelWarnings, NameJumps) {
   Labels labels = plausible_labels();
   labels.object.position_m[3 * 7] += 30.0;
-  expect_warning(labels, "the object jumps in 2 places, first by 30 m after label 6");
+  expect_warning(labels, "the object jumps in 2 places, first by 30 m after label 6", 2);
   labels.object.quality[7] = quality_lost;
   EXPECT_TRUE(label_warnings(labels).empty());
 }

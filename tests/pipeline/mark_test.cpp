@@ -36,9 +36,11 @@ TEST(Mark, RefusesImplausibleBoxes) {
   };
   const PixelBox good{1, 1, 2, 2};
   expect_rejected({0, 0, {5, 1, 4, 2}, good}, "leaves the image of 8 x 6");
+  expect_rejected({0, 0, {3, 2, 8, 6}, good}, "did you write corners");
   expect_rejected({0, 0, {1, 1, 2147483647, 2}, good}, "leaves the image");
   expect_rejected({0, 0, good, {-1, 0, 3, 3}}, "leaves the image");
   expect_rejected({0, 0, good, {0, 0, 0, 3}}, "a box is empty");
+  expect_rejected({0, 0, good, good}, "are the same");
   expect_rejected({0, 1000, good, {4, 4, 2, 2}}, "box_frame");
   expect_rejected({2, 0, good, {4, 4, 2, 2}}, "clip 2");
   EXPECT_FALSE(std::filesystem::exists(folder / "b.h5"));

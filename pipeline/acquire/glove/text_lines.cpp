@@ -90,7 +90,7 @@ class TextParser : public GloveParser {
   void end_line() {
     const auto counts = line_.complete();
     is_valid_ &= !counts.empty();
-    is_in_range(line_.largest());
+    if (is_synchronized_) is_in_range(line_.largest());
     if (is_valid_ && num_lines_ < lines_)
       std::ranges::copy(counts,
                         frame_.begin() + static_cast<std::ptrdiff_t>(num_lines_ * counts.size()));

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "engine/base/progress.h"
@@ -31,7 +32,7 @@ void warn_of_hand_size(const Camera& color, const SampledFrame& sample) {
       larger_m > max_hand_m ? "larger" : "smaller"));
 }
 
-/// Smallest distance [m] between the points in a frame's boxes.
+/// Smallest distance [m] between the points in a frame's boxes; infinite if one has none.
 double distance_of_boxes_m(const SampledFrame& sample) {
   const auto points_of = [&](const PixelBox& box) {
     std::vector<Eigen::Vector3f> points_m;
@@ -47,11 +48,13 @@ double distance_of_boxes_m(const SampledFrame& sample) {
 
 /// Warns of an object that the hand does not hold.
 void warn_of_distance(const SampledFrame& sample) {
-  if (const double distance_m = distance_of_boxes_m(sample); distance_m > max_held_m)
-    Progress::warn(fmt::format(
-        "the hand's and the object's box in camera frame {} are {:.2f} m apart, but the hand should "
-        "hold the object there: look at the boxes (`touchtrace mark`)",
-        sample.index, distance_m));
+  const double distance_m = distance_of_boxes_m(sample);
+  if (std::isfinite(distance_m) && distance_m > max_held_m)
+    Progress::warn(
+        fmt::format("the hand's and the object's box in camera frame {} are {:.2f} m apart, but "
+                    "the hand should "
+                    "hold the object there: look at the boxes (`touchtrace mark`)",
+                    sample.index, distance_m));
 }
 
 }  // namespace

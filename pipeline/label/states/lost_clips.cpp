@@ -36,14 +36,17 @@ std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
   const auto hand = [&](std::size_t i) { return track.hand[i].found; };
   const auto object = [&](std::size_t i) { return track.object[i].found; };
   const auto both = [&](std::size_t i) { return hand(i) && object(i); };
-  const auto cut = [&](const char* found, const auto& times) {
+  if (const auto times = longest_found_s(track, both))
     return fmt::format(
-        "{} found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or {}",
-        found, times->first, times->second, boxes);
-  };
-  if (const auto times = longest_found_s(track, both)) return cut("both are", times);
-  if (const auto times = longest_found_s(track, object)) return cut("the object alone is", times);
-  if (const auto times = longest_found_s(track, hand)) return cut("the hand alone is", times);
+        "both are found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or "
+        "{}",
+        times->first, times->second, boxes);
+  if (const auto times = longest_found_s(track, object))
+    return fmt::format("the object alone is found from {:.2f} to {:.2f} s; {}", times->first,
+                       times->second, boxes);
+  if (const auto times = longest_found_s(track, hand))
+    return fmt::format("the hand alone is found from {:.2f} to {:.2f} s; {}", times->first,
+                       times->second, boxes);
   return boxes;
 }
 

@@ -23,6 +23,15 @@ TEST_F(ImportGlove, AUnitInTheNameIsNotQuestioned) {
   }
 }
 
+TEST_F(ImportGlove, TimesOfTheDayAreRead) {
+  const GloveStream stream = import_alone(table("time" + taxel_names, [](int i) {
+    return fmt::format("10:15:{:02}.{}0,5,6,7,{}\n", 50 + i / 4 % 10, 2 * (i % 4), i % 3);
+  }));
+  const double start_s = 36950.0;  // 10:15:50
+  EXPECT_NEAR(stream.host_time_s[1], start_s + 0.2, 1e-6);
+  EXPECT_NEAR(stream.host_time_s[39], start_s + 9.6, 1e-6);
+}
+
 TEST_F(ImportGlove, AWrongStampCostsOneFrame) {
   const GloveStream stream = import_alone(table("time_us" + taxel_names, [](int i) {
     return fmt::format("{},5,6,7,{}\n", i == 20 ? 900'000'000 : 20'000 * i, i % 3);

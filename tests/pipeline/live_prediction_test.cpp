@@ -194,10 +194,10 @@ TEST_F(LivePredictionTest, ALongGapStartsANewClip) {
 
 TEST_F(LivePredictionTest, RefusesAnotherRate) {
   prepare(spec());
-  glove_.info.rate_hz = 15.2;
+  glove_.info.rate_hz = 15.4;
   expect_refused(
       [&] { LivePrediction(runtime_, (folder_ / "model").string(), glove_.info, "port"); },
-      "15.2 Hz");
+      "15.4 Hz");
 }
 
 /// 4 % too fast is accepted. 20 % too slow is refused after 10 s: 121 frames at 12.05 Hz take

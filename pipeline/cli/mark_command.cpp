@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "engine/base/progress.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/mark/mark_server.h"
 
@@ -54,6 +55,9 @@ void save_boxes(MarkSession& session, const MarkOptions& options) {
   else if (drawn.clip < clips.size())
     drawn.frame = session.frames_of(clips[drawn.clip]).first;
   session.save({drawn});
+  // camera frames without depth are not counted, so that the number may be another than a file's
+  Progress::report(fmt::format("boxes are those of camera frame {}, at {:.3f} s", drawn.frame,
+                               session.recording().camera_times.host_time_s[drawn.frame]));
 }
 
 ExitCode run(const MarkOptions& options, const Invocation& invocation) {

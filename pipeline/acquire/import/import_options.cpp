@@ -15,7 +15,8 @@ void describe(OptionSet& set, ImportOptions& o) {
            "depth is on the colour camera's pixels, or shows the same view at another size");
   set.flag("no-registered", o.camera.no_registered,
            "depth is on its own camera's pixels; --camera-info then "
-           "has both cameras and their pose: folder from `calibrate`, kalibr's camchain.yaml");
+           "has both cameras and their pose: folder from `calibrate`, kalibr's camchain.yaml "
+           "(cam0: colour, cam1: depth)");
   set.number("depth-scale", o.camera.depth_scale,
              "depth counts per metre; default: 5000 of TUM folders, 1000, metres of floating-point "
              "depth",

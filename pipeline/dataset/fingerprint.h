@@ -15,9 +15,9 @@ namespace touchtrace {
 /// probability of 1 %.
 std::vector<std::string> touch_fingerprints(const GloveStream& glove, const Clip& clip);
 
-/// The same of stretches of the motion in the labels [first, last) of a clip: how far hand and
-/// object moved since the last label, and their distance, to 0.1 mm. They recognise a clip whose
-/// counts were changed, or whose positions are in another frame.
+/// Hashes of stretches of 10 steps of the motion in a clip's labels [first, last), one in eight. A
+/// step is how far hand and object moved and how far they are apart, to 0.1 mm. They recognise a
+/// clip whose counts were changed, or whose positions are in another frame.
 std::vector<std::string> motion_fingerprints(const Labels& labels, IndexRange of_clip);
 
 /// Whether fingerprints of touch, then of motion, contain the hash of a whole known clip, or two

@@ -90,7 +90,7 @@ void note_clips(const std::vector<std::string>& whole, json& notes) {
                     fmt::join(whole, ", ")));
 }
 
-/// Of the evaluated recordings, and of those that the models were trained on.
+/// Warnings of the evaluated recordings and of those that the models were trained on.
 void note_warnings(const std::vector<Session>& sessions, const std::vector<LoadedModel>& models,
                    json& notes) {
   std::set<std::string> warnings;

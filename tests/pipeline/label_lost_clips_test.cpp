@@ -63,6 +63,21 @@ TEST(LostClips, KeepTheBodyThatIsFound) {
   EXPECT_EQ(lost_fraction(sample.tracks[0].object), 0.0);
 }
 
+TEST(LostClips, NameTheTimesOfABodyThatIsFoundAlone) {
+  for (const bool is_object : {true, false}) {
+    SampleClip sample(1.0);
+    auto &hand = sample.tracks[0].hand, &object = sample.tracks[0].object;
+    (is_object ? hand : object).assign(10, {});
+    auto& found = is_object ? object : hand;
+    std::fill(found.begin() + 4, found.end(), Observation{});
+    drop_lost_clips(sample.clips, sample.tracks);
+    EXPECT_TRUE(mentions(sample.clips[0].problem,
+                         is_object ? "the object alone is found from 0.00 to 3.00 s"
+                                   : "the hand alone is found from 0.00 to 3.00 s"))
+        << sample.clips[0].problem;
+  }
+}
+
 TEST(LostClips, IncludeAnObjectThatMovesWithALostHand) {
   SampleClip sample;
   for (int i = 0; i < 6; ++i) sample.tracks[0].hand[i].found = false;

@@ -49,7 +49,7 @@ RgbdFrame render_pixels(Shade&& shade) {
   return frame;
 }
 
-/// Depth of a ball along a ray; infinite beside it.
+/// Depth of a ball along a ray; infinite if the ray misses it.
 inline double ball_depth_m(const Eigen::Vector3d& ray, const Eigen::Vector3d& ball_m) {
   const double b = ray.dot(ball_m), q = ray.squaredNorm(),
                discriminant = b * b - q * (ball_m.squaredNorm() - ball_radius_m * ball_radius_m);

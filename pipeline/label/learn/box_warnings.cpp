@@ -52,8 +52,7 @@ void warn_of_distance(const SampledFrame& sample) {
   if (std::isfinite(distance_m) && distance_m > max_held_m)
     Progress::warn(
         fmt::format("the hand's and the object's box in camera frame {} are {:.2f} m apart, but "
-                    "the hand should "
-                    "hold the object there: look at the boxes (`touchtrace mark`)",
+                    "the hand should hold the object there: look at the boxes (`touchtrace mark`)",
                     sample.index, distance_m));
 }
 

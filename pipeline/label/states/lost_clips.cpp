@@ -33,20 +33,18 @@ std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
   const std::string boxes =
       has_mask_boxes ? "check the masks, or draw boxes (`touchtrace mark`)"
                      : "draw boxes in a frame that shows both better (`touchtrace mark`)";
-  const auto hand = [&](std::size_t i) { return track.hand[i].found; };
-  const auto object = [&](std::size_t i) { return track.object[i].found; };
-  const auto both = [&](std::size_t i) { return hand(i) && object(i); };
-  if (const auto times = longest_found_s(track, both))
+  const auto are_both = [&](std::size_t i) { return track.hand[i].found && track.object[i].found; };
+  if (const auto times = longest_found_s(track, are_both))
     return fmt::format(
         "both are found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or "
         "{}",
         times->first, times->second, boxes);
-  if (const auto times = longest_found_s(track, object))
-    return fmt::format("the object alone is found from {:.2f} to {:.2f} s; {}", times->first,
-                       times->second, boxes);
-  if (const auto times = longest_found_s(track, hand))
-    return fmt::format("the hand alone is found from {:.2f} to {:.2f} s; {}", times->first,
-                       times->second, boxes);
+  for (const auto& [body, observations] :
+       {std::pair{"object", &track.object}, {"hand", &track.hand}})
+    if (const auto times =
+            longest_found_s(track, [&](std::size_t i) { return (*observations)[i].found; }))
+      return fmt::format("the {} alone is found from {:.2f} to {:.2f} s; {}", body, times->first,
+                         times->second, boxes);
   return boxes;
 }
 
